@@ -1,0 +1,1 @@
+"""The differentiable 2D Gaussian renderer of strokes, in closed form."""
