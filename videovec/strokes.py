@@ -7,7 +7,7 @@ Rows are sorted by stroke, then drawing; the control points of a row lie togethe
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -213,10 +213,17 @@ class Strokes:
         """The same strokes with lives cut short to first .. last, which must lie inside their present ones."""
         if np.any(first < self.layout.first) or np.any(last > self.layout.last) or np.any(first > last):
             raise FitError("a life can only be cut short, and to no less than one drawing")
-        begin = self.layout.stroke_rows[:-1] + first - self.layout.first
-        rows = np.concatenate([np.arange(b, b + n) for b, n in zip(begin, last - first + 1, strict=True)] or [[]])
-        layout = Layout(self.layout.segments, first, last)
-        return replace(self, layout=layout, **self._of_rows(rows.astype(np.intp)))
+        before = np.repeat(first, self.layout.last - self.layout.first + 1)
+        after = np.repeat(last, self.layout.last - self.layout.first + 1)
+        rows = np.flatnonzero((self.layout.row_drawing >= before) & (self.layout.row_drawing <= after))
+        return Strokes(
+            ids=self.ids,
+            layout=Layout(self.layout.segments, first, last),
+            is_closed=self.is_closed,
+            layer=self.layer,
+            color=self.color,
+            **self._of_rows(rows),
+        )
 
     def _of_rows(self, rows: Ints) -> dict[str, Floats]:
         return {
