@@ -1,0 +1,1 @@
+"""What comes out: pure functions from tracks to text, bytes and pictures."""
