@@ -6,6 +6,9 @@ Lengths are px of the source unless a name says otherwise. Nothing here starts a
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Annotated
+
+from videovec.limits import Between, OneOf
 
 __all__ = [
     "Config",
@@ -24,7 +27,7 @@ __all__ = [
 class DecodeSettings:
     """How frames are read and which of them are the same drawing."""
 
-    hold_tolerance: float = 4.0
+    hold_tolerance: Annotated[float, Between(0)] = 4.0
     """Frames that differ by no more than this many noise levels are one drawing."""
 
 
@@ -40,9 +43,9 @@ class InkSettings:
 class InitialiseSettings:
     """How strokes are traced on one drawing."""
 
-    tolerance: float = 0.35
+    tolerance: Annotated[float, Between(0.01)] = 0.35
     """How far a fitted cubic may lie from the traced centre line. px"""
-    max_turn: float = 100.0
+    max_turn: Annotated[float, Between(0, 180)] = 100.0
     """Largest turn at which two branches of a junction may be one stroke. degrees"""
 
 
@@ -50,7 +53,7 @@ class InitialiseSettings:
 class PropagateSettings:
     """How strokes are carried from drawing to drawing."""
 
-    memory: int = 8
+    memory: Annotated[int, Between(0)] = 8
     """A stroke that regains its ink within this many drawings keeps its identity."""
 
 
@@ -58,7 +61,7 @@ class PropagateSettings:
 class RenderSettings:
     """Which renderer draws the strokes."""
 
-    backend: str = "auto"
+    backend: Annotated[str, OneOf(("auto", "numba", "torch", "reference"))] = "auto"
     """auto, numba, torch or reference."""
     device: str = "auto"
     """auto, cpu, cuda or another torch device."""
@@ -68,21 +71,29 @@ class RenderSettings:
 class Weights:
     """Weight λ of every term of the fit; a term of weight 0 is not evaluated."""
 
-    photometric: float = 1.0
-    perceptual: float = 0.0
-    self_intersection: float = 0.0
-    curvature: float = 0.0
-    continuity: float = 0.0
-    acceleration: float = 0.0
-    rigidity: float = 0.0
-    width_change: float = 0.0
+    photometric: Annotated[float, Between(0)] = 1.0
+    """Squared difference of rendered and seen coverage."""
+    perceptual: Annotated[float, Between(0)] = 0.0
+    """LPIPS distance between rendered and seen drawing."""
+    self_intersection: Annotated[float, Between(0)] = 0.0
+    """Segments whose two handles cross."""
+    curvature: Annotated[float, Between(0)] = 0.0
+    """Bends sharper than the curvature threshold."""
+    continuity: Annotated[float, Between(0)] = 0.0
+    """Neighbouring segments whose tangents differ at their joint."""
+    acceleration: Annotated[float, Between(0)] = 0.0
+    """Second difference in time of control points. px² per frame⁴"""
+    rigidity: Annotated[float, Between(0)] = 0.0
+    """Neighbouring control points that do not move together."""
+    width_change: Annotated[float, Between(0)] = 0.0
+    """Change in time of half-width."""
 
 
 @dataclass(frozen=True, slots=True)
 class FitSettings:
     """The joint optimisation over all drawings."""
 
-    steps: int = 200
+    steps: Annotated[int, Between(0)] = 200
     """Number of optimiser updates."""
     weights: Weights = field(default_factory=Weights)
 
@@ -91,9 +102,9 @@ class FitSettings:
 class ExportSettings:
     """What is written."""
 
-    svg_style: str = "auto"
+    svg_style: Annotated[str, OneOf(("auto", "stroke", "outline", "powerstroke"))] = "auto"
     """auto, stroke, outline or powerstroke."""
-    lottie_tolerance: float = 0.25
+    lottie_tolerance: Annotated[float, Between(0)] = 0.25
     """How far a reduced keyframe curve may lie from the fitted one. px"""
 
 
@@ -103,7 +114,7 @@ class Config:
 
     pipeline: str = "solid"
     """Name of a file in ``pipelines/``."""
-    seed: int = 0
+    seed: Annotated[int, Between(0)] = 0
     """Seed of all randomness."""
     decode: DecodeSettings = field(default_factory=DecodeSettings)
     ink: InkSettings = field(default_factory=InkSettings)
