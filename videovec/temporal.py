@@ -1,0 +1,150 @@
+"""Terms that tie a stroke's drawings together: smooth motion, kept shape, kept width.
+
+All are sums, unweighted, in px² unless said; the photometric term is a sum of squares over pixels, so that the balance
+between them does not depend on the size of the page or the length of the clip.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from videovec.strokes import Layout
+
+__all__ = ["Neighbours", "acceleration", "rigidity", "width_change"]
+
+_HOPS = (1, 2, 4, 8)  # control points between the ends and the middle of a triple
+_SHORT = 1.0  # px²; a triple whose ends are nearer than this says little about shape
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Neighbours:
+    """Which points and joints are the same material one drawing later, and which lie side by side on a row.
+
+    Args:
+        points: Control points that have a next drawing. int [A]
+        next_points: The same points one drawing later. int [A]
+        middle: Control points with a drawing before and one after; the steps to them are ``stride``. int [B]
+        stride: Control points from one drawing to the next. int [B]
+        joints: Joints that have a next drawing. int [C]
+        next_joints: The same joints one drawing later. int [C]
+        triples: First, middle and last point of a triple on a row that has a next drawing. int [E, 3]
+        next_triples: The same triple one drawing later. int [E, 3]
+        hops: Control points between the middle and the ends of each triple. [E]
+    """
+
+    points: Tensor
+    next_points: Tensor
+    middle: Tensor
+    stride: Tensor
+    joints: Tensor
+    next_joints: Tensor
+    triples: Tensor
+    next_triples: Tensor
+    hops: Tensor
+
+    @staticmethod
+    def of(layout: Layout, device: torch.device | str = "cpu") -> Neighbours:
+        """The neighbours of every point of the strokes."""
+        row, joint_row = layout.point_row, layout.joint_row
+        has_next = layout.row_drawing < layout.last[layout.row_stroke]
+        has_before = layout.row_drawing > layout.first[layout.row_stroke]
+        stride = (3 * layout.segments + 1)[layout.row_stroke][row]
+        joint_stride = (layout.segments + 1)[layout.row_stroke][joint_row]
+        points = np.flatnonzero(has_next[row])
+        middle = np.flatnonzero((has_next & has_before)[row])
+        joints = np.flatnonzero(has_next[joint_row])
+        triples, hops = _triples(layout, points)
+
+        def put(values: NDArray[np.intp]) -> Tensor:
+            return torch.as_tensor(values, device=device)
+
+        return Neighbours(
+            points=put(points),
+            next_points=put(points + stride[points]),
+            middle=put(middle),
+            stride=put(stride[middle]),
+            joints=put(joints),
+            next_joints=put(joints + joint_stride[joints]),
+            triples=put(triples),
+            next_triples=put(triples + stride[triples]),
+            hops=put(hops),
+        )
+
+
+def _triples(layout: Layout, points: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    row = layout.point_row[points]
+    place, count = points - layout.row_points[row], np.diff(layout.row_points)[row]
+    found, hops = [], []
+    for hop in _HOPS:
+        inside = points[(place >= hop) & (place + hop < count)]
+        found.append(inside[:, None] + np.array([-hop, 0, hop]))
+        hops.append(np.full(len(inside), hop))
+    return np.concatenate(found), np.concatenate(hops)
+
+
+def acceleration(points: Tensor, neighbours: Neighbours) -> Tensor:
+    """Sum of squared second differences over drawings.
+
+    Args:
+        points: Control points, row by row. [P, 2] px
+        neighbours: Who follows whom.
+
+    Returns:
+        Sum over control points, px² per drawing⁴. Scalar.
+    """
+    middle, stride = neighbours.middle, neighbours.stride
+    return (points[middle - stride] - 2 * points[middle] + points[middle + stride]).square().sum()
+
+
+def rigidity(points: Tensor, neighbours: Neighbours) -> Tensor:
+    """How far strokes are from changing by local similarities only: no shear, no sliding along themselves.
+
+    A triple of control points (a, b, c) has b = a + z (c - a) with a complex z that no similarity changes. The term
+    draws b where the neighbouring drawing's z puts it, for triples of growing reach.
+
+    Args:
+        points: Control points, row by row. [P, 2] px
+        neighbours: Who follows whom.
+
+    Returns:
+        Sum over triples of the squared distance, weighted by one over their reach. px². Scalar.
+
+    Source:
+        After Sorkine and Alexa 2007, "As-rigid-as-possible surface modeling", with similarities for rotations.
+    """
+    if not len(neighbours.triples):
+        return points.new_zeros(())
+    now, later = points[neighbours.triples], points[neighbours.next_triples]
+    weight = 1.0 / neighbours.hops
+    ahead = later[:, 1] - _transferred(now, later)
+    back = now[:, 1] - _transferred(later, now)
+    return 0.5 * (weight[:, None] * (ahead.square() + back.square())).sum()
+
+
+def _transferred(source: Tensor, target: Tensor) -> Tensor:
+    """The middle of each target triple where the shape of the source triple puts it. [E, 2]"""
+    span, arm = source[:, 2] - source[:, 0], source[:, 1] - source[:, 0]
+    length = span.square().sum(1) + _SHORT
+    real = (arm * span).sum(1) / length
+    imaginary = (span[:, 0] * arm[:, 1] - span[:, 1] * arm[:, 0]) / length
+    new = target[:, 2] - target[:, 0]
+    turned = torch.stack([-new[:, 1], new[:, 0]], dim=1)
+    return target[:, 0] + real[:, None] * new + imaginary[:, None] * turned
+
+
+def width_change(log_half_width: Tensor, neighbours: Neighbours) -> Tensor:
+    """Sum of squared changes of the logarithm of the half-width from drawing to drawing.
+
+    Args:
+        log_half_width: Of every joint, row by row. [J]
+        neighbours: Who follows whom.
+
+    Returns:
+        Sum over joints, without unit. Scalar.
+    """
+    return (log_half_width[neighbours.next_joints] - log_half_width[neighbours.joints]).square().sum()
