@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.curves import parameter_at
 from videovec.strokes import Strokes
 
 __all__ = ["visible_intervals"]
-
-_SAMPLES = 17  # points on a segment between which arc length is taken as straight
 
 
 def visible_intervals(strokes: Strokes) -> NDArray[np.float64]:
@@ -21,33 +20,17 @@ def visible_intervals(strokes: Strokes) -> NDArray[np.float64]:
     Returns:
         Begin and end in t of each segment, row by row; equal where nothing of it is visible. [G, 2] in [0, 1]
     """
-    layout = strokes.layout
-    row = layout.segment_row
-    intervals = np.tile([0.0, 1.0], (len(row), 1))
-    partial = np.flatnonzero((strokes.visible[row] != [0.0, 1.0]).any(axis=1))
-    if not len(partial):
-        return intervals
-    arc = _arc_table(strokes.segments()[partial])
-    length = arc[:, -1]
-    rows, which = np.unique(row[partial], return_inverse=True)
-    total = np.bincount(which, weights=length)
-    before = np.cumsum(length) - length
-    before -= before[np.searchsorted(which, np.arange(len(rows)))][which]
-    wanted = strokes.visible[row[partial]] * total[which, None] - before[:, None]
-    t = np.linspace(0.0, 1.0, _SAMPLES)
-    for k in range(len(partial)):
-        intervals[partial[k]] = np.interp(wanted[k], arc[k], t) if length[k] > 0 else (wanted[k] > 0).astype(float)
-    hidden = (wanted[:, 0] >= length) | (wanted[:, 1] <= 0) | (wanted[:, 0] >= wanted[:, 1])
-    whole = (total[which] == 0) & (strokes.visible[row[partial], 0] < strokes.visible[row[partial], 1])
-    intervals[partial[hidden & ~whole]] = 0.0
-    intervals[partial[whole]] = (0.0, 1.0)
+    starts = strokes.layout.row_segments
+    intervals = np.tile([0.0, 1.0], (int(starts[-1]), 1))
+    for row in np.flatnonzero((strokes.visible != [0.0, 1.0]).any(axis=1)):
+        part = intervals[starts[row] : starts[row + 1]]
+        begin, end = strokes.visible[row]
+        if begin >= end:
+            part[:] = 0.0
+            continue
+        if np.ptp(strokes.points_of(row), axis=0).max() == 0:  # a dot has no arc: it is seen whole
+            continue
+        (first, last), (t_first, t_last) = parameter_at(strokes.points_of(row), [begin, end])
+        part[:first] = part[last + 1 :] = 0.0
+        part[first, 0], part[last, 1] = t_first, t_last
     return intervals
-
-
-def _arc_table(segments: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Arc length up to equal steps of t. [G, M]"""
-    t = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
-    s = 1 - t
-    basis = np.concatenate([s**3, 3 * s**2 * t, 3 * s * t**2, t**3], axis=1)
-    steps = np.linalg.norm(np.diff(basis @ segments, axis=1), axis=2)
-    return np.concatenate([np.zeros((len(segments), 1)), np.cumsum(steps, axis=1)], axis=1)
