@@ -18,7 +18,7 @@ from videovec.strokes import Layout
 __all__ = ["Neighbours", "acceleration", "rigidity", "width_change"]
 
 _HOPS = (1, 2, 4, 8)  # control points between the ends and the middle of a triple
-_SHORT = 1.0  # px²; a triple whose ends are nearer than this says little about shape
+_SHORT = 1.0  # px²; a triple whose ends are nearer than this says nothing about shape
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,16 +120,21 @@ def rigidity(points: Tensor, neighbours: Neighbours) -> Tensor:
     if not len(neighbours.triples):
         return points.new_zeros(())
     now, later = points[neighbours.triples], points[neighbours.next_triples]
-    weight = 1.0 / neighbours.hops
+    weight = _tells_shape(now) * _tells_shape(later) / neighbours.hops
     ahead = later[:, 1] - _transferred(now, later)
     back = now[:, 1] - _transferred(later, now)
     return 0.5 * (weight[:, None] * (ahead.square() + back.square())).sum()
 
 
+def _tells_shape(triples: Tensor) -> Tensor:
+    """1 for triples whose ends are far enough apart to give a direction, else 0. [E]"""
+    return ((triples[:, 2] - triples[:, 0]).square().sum(1) > _SHORT).to(triples.dtype)
+
+
 def _transferred(source: Tensor, target: Tensor) -> Tensor:
     """The middle of each target triple where the shape of the source triple puts it. [E, 2]"""
     span, arm = source[:, 2] - source[:, 0], source[:, 1] - source[:, 0]
-    length = span.square().sum(1) + _SHORT
+    length = span.square().sum(1).clamp_min(_SHORT)
     real = (arm * span).sum(1) / length
     imaginary = (span[:, 0] * arm[:, 1] - span[:, 1] * arm[:, 0]) / length
     new = target[:, 2] - target[:, 0]
