@@ -22,7 +22,7 @@ def visible_intervals(strokes: Strokes) -> NDArray[np.float64]:
     """
     starts = strokes.layout.row_segments
     intervals = np.tile([0.0, 1.0], (int(starts[-1]), 1))
-    for row in np.flatnonzero((strokes.visible != [0.0, 1.0]).any(axis=1)):
+    for row in np.flatnonzero((strokes.visible != [0.0, 1.0]).any(axis=1)).tolist():
         part = intervals[starts[row] : starts[row + 1]]
         begin, end = strokes.visible[row]
         if begin >= end:
