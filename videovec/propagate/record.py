@@ -1,0 +1,108 @@
+"""The book of lives: what every stroke was on every drawing, until it is bound into `Strokes`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.strokes import Layout, Strokes
+
+__all__ = ["Life", "Row", "bind", "open_lives"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Row:
+    """A stroke on one drawing.
+
+    Args:
+        points: Control points. [3n+1, 2] px
+        half_width: Half-width at the joints. [n+1] px
+        opacity: Plateau coverage.
+        visible: The part of the arc that is seen, as arc fractions; equal ends are none.
+        confidence: How well the ink supports it, in [0, 1].
+    """
+
+    points: Floats
+    half_width: Floats
+    opacity: float
+    visible: tuple[float, float]
+    confidence: float
+
+
+@dataclass(slots=True, eq=False)
+class Life:
+    """One identity while it is being followed.
+
+    Args:
+        id: Identity, from 1.
+        is_closed: Whether the stroke ends where it begins.
+        layer: Compositing order.
+        color: Ink. [3]
+        rows: What it was, by drawing.
+    """
+
+    id: int
+    is_closed: bool
+    layer: int
+    color: Floats
+    rows: dict[int, Row] = field(default_factory=dict)
+
+    @property
+    def first(self) -> int:
+        """First drawing."""
+        return min(self.rows)
+
+    @property
+    def last(self) -> int:
+        """Last drawing."""
+        return max(self.rows)
+
+
+def open_lives(strokes: Strokes) -> list[Life]:
+    """A life for every stroke, with all its rows."""
+    lives = []
+    for s in range(len(strokes)):
+        life = Life(int(strokes.ids[s]), bool(strokes.is_closed[s]), int(strokes.layer[s]), strokes.color[s])
+        for drawing in range(int(strokes.layout.first[s]), int(strokes.layout.last[s]) + 1):
+            row = strokes.row(s, drawing)
+            visible = (float(strokes.visible[row, 0]), float(strokes.visible[row, 1]))
+            life.rows[drawing] = Row(
+                strokes.points_of(row), strokes.half_width_of(row), float(strokes.opacity[row]), visible, 1.0
+            )
+        lives.append(life)
+    return lives
+
+
+def bind(lives: list[Life]) -> tuple[Strokes, Floats]:
+    """All lives as strokes, in order of identity, and the confidence of every row.
+
+    Args:
+        lives: Lives without gaps between their drawings; those without rows are left out.
+
+    Returns:
+        The strokes and [R].
+    """
+    lives = sorted((life for life in lives if life.rows), key=lambda life: life.id)
+    if not lives:
+        return Strokes.empty(), np.zeros(0)
+    rows = [life.rows[d] for life in lives for d in range(life.first, life.last + 1)]
+    strokes = Strokes(
+        ids=np.array([life.id for life in lives], np.intp),
+        layout=Layout(
+            np.array([(len(life.rows[life.first].points) - 1) // 3 for life in lives], np.intp),
+            np.array([life.first for life in lives], np.intp),
+            np.array([life.last for life in lives], np.intp),
+        ),
+        is_closed=np.array([life.is_closed for life in lives], bool),
+        layer=np.array([life.layer for life in lives], np.intp),
+        color=np.stack([life.color for life in lives]),
+        points=np.concatenate([row.points for row in rows]),
+        half_width=np.concatenate([row.half_width for row in rows]),
+        opacity=np.array([row.opacity for row in rows]),
+        visible=np.array([row.visible for row in rows], float),
+    )
+    return strokes, np.array([row.confidence for row in rows])
