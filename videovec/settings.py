@@ -55,6 +55,10 @@ class PropagateSettings:
 
     memory: Annotated[int, Between(0)] = 8
     """A stroke that regains its ink within this many drawings keeps its identity."""
+    node_spacing: Annotated[float, Between(1)] = 4.0
+    """Distance between the points of a stroke that are matched to the ink. px, when the long edge is working_size"""
+    working_size: Annotated[int, Between(64)] = 640
+    """Long edge to which larger drawings are shrunk while strokes are matched. px"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,10 +73,8 @@ class RenderSettings:
 
 @dataclass(frozen=True, slots=True)
 class Weights:
-    """Weight λ of every term of the fit; a term of weight 0 is not evaluated."""
+    """Weight λ of every term of the fit beside the photometric one, which has 1; one of weight 0 is not evaluated."""
 
-    photometric: Annotated[float, Between(0)] = 1.0
-    """Squared difference of rendered and seen coverage."""
     perceptual: Annotated[float, Between(0)] = 0.0
     """LPIPS distance between rendered and seen drawing."""
     self_intersection: Annotated[float, Between(0)] = 0.0
@@ -81,11 +83,11 @@ class Weights:
     """Bends sharper than the curvature threshold."""
     continuity: Annotated[float, Between(0)] = 0.0
     """Neighbouring segments whose tangents differ at their joint."""
-    acceleration: Annotated[float, Between(0)] = 0.0
+    acceleration: Annotated[float, Between(0)] = 0.02
     """Second difference in time of control points. px² per frame⁴"""
-    rigidity: Annotated[float, Between(0)] = 0.0
+    rigidity: Annotated[float, Between(0)] = 0.2
     """Neighbouring control points that do not move together."""
-    width_change: Annotated[float, Between(0)] = 0.0
+    width_change: Annotated[float, Between(0)] = 1.0
     """Change in time of half-width."""
 
 
@@ -94,7 +96,13 @@ class FitSettings:
     """The joint optimisation over all drawings."""
 
     steps: Annotated[int, Between(0)] = 200
-    """Number of optimiser updates."""
+    """Optimiser updates of a drawing that was just initialised."""
+    joint_steps: Annotated[int, Between(0)] = 80
+    """Optimiser updates over all drawings, from strokes that were carried there."""
+    window: Annotated[int, Between(2)] = 48
+    """Drawings that are in memory at once."""
+    overlap: Annotated[int, Between(1)] = 6
+    """Drawings on either side of a window that are fitted with it and belong to the next."""
     weights: Weights = field(default_factory=Weights)
 
 
