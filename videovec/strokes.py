@@ -7,7 +7,7 @@ Rows are sorted by stroke, then drawing; the control points of a row lie togethe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -224,6 +224,33 @@ class Strokes:
             color=self.color,
             **self._of_rows(rows),
         )
+
+    def within(self, first: int, last: int) -> Strokes:
+        """The strokes alive in drawings ``first .. last``, with lives cut to them."""
+        alive = (self.layout.first <= last) & (self.layout.last >= first)
+        part = self.select(alive)
+        return part.with_lives(np.maximum(part.layout.first, first), np.minimum(part.layout.last, last))
+
+    def shifted(self, drawings: int) -> Strokes:
+        """The same strokes that many drawings later."""
+        layout = self.layout
+        return replace(self, layout=Layout(layout.segments, layout.first + drawings, layout.last + drawings))
+
+    def with_rows_of(self, part: Strokes) -> Strokes:
+        """The same strokes with the rows of ``part``, whose strokes are some of these over parts of their lives."""
+        order = np.argsort(self.ids)
+        stroke = order[np.searchsorted(self.ids, part.ids, sorter=order)]
+        here = part.layout.row_stroke
+        rows = (
+            self.layout.stroke_rows[stroke][here] + part.layout.row_drawing - self.layout.first[stroke][here]
+        ).astype(np.intp)
+        points, half_width, opacity, visible = (
+            x.copy() for x in (self.points, self.half_width, self.opacity, self.visible)
+        )
+        points[_ranges(self.layout.row_points, rows)] = part.points
+        half_width[_ranges(self.layout.row_joints, rows)] = part.half_width
+        opacity[rows], visible[rows] = part.opacity, part.visible
+        return replace(self, points=points, half_width=half_width, opacity=opacity, visible=visible)
 
     def _of_rows(self, rows: Ints) -> dict[str, Floats]:
         return {
