@@ -29,6 +29,8 @@ class DecodeSettings:
 
     hold_tolerance: Annotated[float, Between(0)] = 4.0
     """Frames that differ by no more than this many noise levels are one drawing."""
+    frame_rate: float = 24.0
+    """Frames per second of numbered images; 23.976 and 29.97 stand for the exact fractions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +57,8 @@ class PropagateSettings:
 
     memory: Annotated[int, Between(0)] = 8
     """A stroke that regains its ink within this many drawings keeps its identity."""
+    search_range: Annotated[float, Between(0)] = 8.0
+    """Largest mean distance between strokes of neighbouring drawings that the per_frame pipeline links. px"""
     node_spacing: Annotated[float, Between(1)] = 4.0
     """Distance between the points of a stroke that are matched to the ink. px, when the long edge is working_size"""
     working_size: Annotated[int, Between(64)] = 640

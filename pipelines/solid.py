@@ -1,0 +1,22 @@
+"""Solid line art: trace the first drawing, carry its strokes through the clip, fit all drawings together."""
+
+from functools import partial
+
+from videovec.clip import Clip
+from videovec.fit import fit
+from videovec.initialise import initialise
+from videovec.ink import extract_ink
+from videovec.progress import Progress
+from videovec.propagate import propagate
+from videovec.settings import Config
+from videovec.tracks import StrokeTracks
+
+
+def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
+    """Vectorise a clip whose lines are solid."""
+    ink = extract_ink(clip, config.ink, progress)
+    trace = partial(initialise, settings=config.initialise)
+    first = fit(ink.at_drawing(0), trace(ink, 0), config.fit, config.render, progress)
+    carried = propagate(ink, first.strokes, config.propagate, trace, progress)
+    result = fit(ink, carried.strokes, config.fit, config.render, progress)
+    return StrokeTracks.of(clip, ink, result, carried.events)
