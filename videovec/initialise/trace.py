@@ -1,0 +1,180 @@
+"""One drawing's ink to strokes, and how sure each junction's decision is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from videovec.initialise.centreline import CentreLine, centre_line, chains, closed_line
+from videovec.initialise.cubics import fit_spline
+from videovec.initialise.graph import Graph, skeleton_graph
+from videovec.initialise.junctions import Pairing, pair_branches
+from videovec.initialise.lines import line_mask
+from videovec.initialise.prune import Widths, clean
+from videovec.initialise.thinning import thin
+from videovec.initialise.widths import measure_widths
+from videovec.ink import Ink
+from videovec.settings import InitialiseSettings
+from videovec.strokes import Strokes
+
+__all__ = ["Junction", "Traced", "initialise", "trace"]
+
+Floats = NDArray[np.float64]
+Coverage = NDArray[np.float32]
+
+_LEAST_WIDTH = 1.2  # px; the rules of geometry treat thinner lines as this wide
+_LEAST_DOT = 0.15  # of a round dot as wide as a line: what an isolated pixel's ink must weigh
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Junction:
+    """A place where branches meet, and which of them were taken to be one stroke.
+
+    Args:
+        position: Where it is. [2] px
+        arms: Direction in which each branch leaves. [K, 2]
+        links: Pairs of arms that are one stroke.
+        runner_up: The second best decision.
+        margin: By how much the decision beats it, as a turn; under 30 degrees it is little better than chance.
+    """
+
+    position: Floats
+    arms: Floats
+    links: tuple[tuple[int, int], ...]
+    runner_up: tuple[tuple[int, int], ...]
+    margin: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Traced:
+    """What initialisation found on a drawing.
+
+    Args:
+        strokes: Its strokes.
+        junctions: The decisions that made them.
+    """
+
+    strokes: Strokes
+    junctions: tuple[Junction, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lines:
+    """The strokes of one ink, before they are splines."""
+
+    curves: list[Floats]
+    half_widths: list[Floats]
+    is_closed: list[bool]
+    junctions: list[Junction]
+
+
+def _calibrated(graph: Graph, coverage: Coverage) -> Widths:
+    """Widths by which the rules of geometry go: all ink over all length, against the mask's mean radius."""
+    radii = [branch.radius for branch in graph.branches.values()] + graph.loop_radius
+    lengths = [branch.length for branch in graph.branches.values()]
+    lengths += [float(np.linalg.norm(np.diff(loop, axis=0), axis=1).sum()) for loop in graph.loops]
+    if not radii or sum(lengths) <= 0.0:
+        return Widths(1.0, _LEAST_WIDTH)
+    radius = float(np.mean(np.concatenate(radii)))
+    mass = float(coverage[coverage > 0.02].sum())
+    return Widths(float(np.clip(mass / sum(lengths) / (2.0 * radius), 0.5, 1.5)), _LEAST_WIDTH)
+
+
+def _junctions(graph: Graph, pairings: list[Pairing]) -> list[Junction]:
+    """The decisions as others may read them."""
+    result = []
+    for pairing in pairings:
+        arms = []
+        for number, end in pairing.ends:
+            line = graph.outward(number, end).line
+            arm = line[min(len(line) - 1, 12)] - graph.position[pairing.node]
+            arms.append(arm / max(float(np.linalg.norm(arm)), 1e-9))
+        result.append(
+            Junction(
+                graph.position[pairing.node].copy(), np.stack(arms), pairing.links, pairing.runner_up, pairing.margin
+            )
+        )
+    return result
+
+
+def _dots(graph: Graph, coverage: Coverage, lines: list[CentreLine]) -> tuple[list[Floats], list[Floats]]:
+    """Strokes of no length for isolated round spots: control points and half-widths of each."""
+    curves, half_widths = [], []
+    for x, y, radius in graph.dots:
+        reach = int(np.ceil(radius + 2.0))
+        top, left = max(0, int(y) - reach), max(0, int(x) - reach)
+        patch = coverage[top : int(y) + reach + 1, left : int(x) + reach + 1]
+        row, column = np.mgrid[top : top + patch.shape[0], left : left + patch.shape[1]] + 0.5
+        weight = np.where(np.hypot(column - x, row - y) <= radius + 1.5, patch, 0.0)
+        mass = float(weight.sum())
+        if mass <= 0.0:
+            continue
+        center = np.array([(weight * column).sum(), (weight * row).sum()]) / mass
+        curves.append(np.tile(center, (4, 1)))
+        half_widths.append(np.full(2, np.sqrt(mass / np.pi)))
+    return curves, half_widths
+
+
+def _trace_coverage(coverage: Coverage, noise: float, settings: InitialiseSettings) -> _Lines:
+    """Strokes of one ink."""
+    lines = line_mask(coverage, noise)
+    if not lines.mask.any():
+        return _Lines([], [], [], [])
+    radius = cv2.distanceTransform(np.pad(lines.mask, 1), cv2.DIST_L2, 5)[1:-1, 1:-1].astype(np.float32)
+    graph = skeleton_graph(thin(lines.mask), radius, lines.scale)
+    widths = _calibrated(graph, coverage)
+    clean(graph, widths)
+    pairings = pair_branches(graph, widths, settings.max_turn)
+    found = [centre_line(graph, chain, widths, coverage) for chain in chains(graph, pairings)]
+    for loop, thickness in zip(graph.loops, graph.loop_radius, strict=True):
+        found.append(closed_line(loop, max(_LEAST_WIDTH, 2.0 * widths.calibration * float(np.median(thickness)))))
+    curves, half_widths = [], []
+    for line, half_width in zip(found, measure_widths(found, coverage), strict=True):
+        points = fit_spline(line.line, line.corners, settings.tolerance, line.is_closed)
+        curves.append(points)
+        half_widths.append(half_width[cKDTree(line.line).query(points[::3])[1]])
+    dots, dot_widths = _dots(graph, coverage, found)
+    is_closed = [line.is_closed for line in found] + [False] * len(dots)
+    return _Lines(curves + dots, half_widths + dot_widths, is_closed, _junctions(graph, pairings))
+
+
+def trace(ink: Ink, drawing: int, settings: InitialiseSettings) -> Traced:
+    """Trace the lines of one drawing.
+
+    Args:
+        ink: The ink of D drawings.
+        drawing: Which of them.
+        settings: How to trace.
+
+    Returns:
+        Strokes that live on that drawing alone, each of one ink, and the junctions between them.
+    """
+    coverage = ink.coverage[drawing].astype(np.float32) / np.float32(255.0)
+    parts, junctions, first_id = [], [], 1
+    for label, color in enumerate(ink.palette):
+        own = np.where(ink.label[drawing] == label, coverage, np.float32(0.0))
+        if not own.any():
+            continue
+        lines = _trace_coverage(own, ink.noise, settings)
+        parts.append(
+            Strokes.from_curves(
+                lines.curves,
+                lines.half_widths,
+                is_closed=lines.is_closed,
+                color=color,
+                drawing=drawing,
+                first_id=first_id,
+            )
+        )
+        first_id += len(lines.curves)
+        junctions += lines.junctions
+    return Traced(Strokes.concatenate(parts), tuple(junctions))
+
+
+def initialise(ink: Ink, drawing: int, settings: InitialiseSettings) -> Strokes:
+    """The strokes of one drawing; see `trace`."""
+    return trace(ink, drawing, settings).strokes
