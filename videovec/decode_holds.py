@@ -1,0 +1,123 @@
+"""Which frames show the same drawing: a streaming merge of frames that differ by no more than noise."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.decode_frame import Pixels
+
+__all__ = ["HoldMerger", "compression_noise", "largest_change"]
+
+Floats = NDArray[np.float32]
+
+WINDOW = 9
+"""Side of the square in which a change is judged: a piece of line long enough to stand out of noise. px"""
+
+QUIET = 0.25
+"""Least noise level that is assumed, so that rounding alone is no change. 8-bit levels"""
+
+
+@dataclass(slots=True)
+class _Hold:
+    """The drawing at hand: its first frame, and the sum of all once they differ."""
+
+    first: Pixels
+    noise: float
+    count: int = 1
+    total: NDArray[np.float64] | None = None
+
+    def join(self, image: Pixels) -> None:
+        if self.total is None and not np.array_equal(image, self.first):
+            self.total = self.first.astype(np.float64) * self.count
+        if self.total is not None:
+            self.total += image
+        self.count += 1
+
+    def mean(self) -> Pixels:
+        if self.total is None:
+            return self.first
+        mean: Pixels = np.rint(self.total / self.count).astype(self.first.dtype)
+        return mean
+
+    def shows(self, image: Pixels, tolerance: float) -> bool:
+        if np.array_equal(image, self.first):
+            return True
+        return largest_change(self.mean(), image) <= tolerance * max(QUIET, self.noise)
+
+
+@dataclass(slots=True)
+class HoldMerger:
+    """Takes frames one by one and keeps one image for each drawing: the mean of its frames.
+
+    A frame joins the drawing if it differs from the drawing's mean, not from the frame before, by less than the
+    tolerance; so slow motion cannot creep along unnoticed.
+
+    Args:
+        tolerance: Largest change that is still the same drawing, in noise levels.
+    """
+
+    tolerance: float
+    drawings: list[Pixels] = field(default_factory=list)
+    _hold: _Hold | None = None
+
+    def add(self, image: Pixels) -> int:
+        """Take the next frame. [H, W, 3]
+
+        Returns:
+            The drawing that it shows.
+        """
+        if self._hold is not None and self._hold.shows(image, self.tolerance):
+            self._hold.join(image)
+        else:
+            self.finish()
+            self._hold = _Hold(image, compression_noise(image))
+        return len(self.drawings)
+
+    def finish(self) -> None:
+        """Close the drawing at hand; after the last frame, all are in ``drawings``."""
+        if self._hold is not None:
+            self.drawings.append(self._hold.mean())
+        self._hold = None
+
+
+def _levels(image: Pixels) -> Floats:
+    """Values in 8-bit levels, whatever the depth. [H, W, 3]"""
+    return image.astype(np.float32) * np.float32(255 / np.iinfo(image.dtype).max)
+
+
+def largest_change(before: Pixels, after: Pixels) -> float:
+    """Root mean square change in the window and channel where it is largest. 8-bit levels"""
+    squares = (_levels(after) - _levels(before)) ** 2
+    return math.sqrt(max(0.0, float(cv2.blur(squares, (WINDOW, WINDOW)).max())))
+
+
+def compression_noise(image: Pixels) -> float:
+    """Noise of an image beside its lines, where lossy codecs spread their error.
+
+    Transform codecs spread the error of a block over the whole block, so the page a few px beside a line shows how
+    wrong the line itself may be. There the page is smooth, and a second difference in x and y sees noise alone
+    (Immerkær 1996, "Fast noise variance estimation"; its kernel has a gain of 6). The largest twentieth is left out:
+    faint lines.
+
+    Args:
+        image: uint8 or uint16 [H, W, 3]
+
+    Returns:
+        Standard deviation. 8-bit levels
+    """
+    grey = _levels(image).mean(axis=2)
+    contrast = np.abs(grey - np.median(grey))
+    ink = (contrast > 0.25 * contrast.max()).astype(np.uint8)
+    near, far = (cv2.dilate(ink, np.ones((2 * r + 1, 2 * r + 1), np.uint8)) for r in (3, 9))
+    beside = (far > 0) & (near == 0)
+    if not beside.any():
+        beside = np.ones_like(beside)
+    kernel = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6
+    response = np.sort(np.abs(cv2.filter2D(grey, cv2.CV_32F, kernel)[beside]))
+    kept = response[: max(1, int(0.95 * len(response)))]
+    return float(np.sqrt(np.mean(kept.astype(np.float64) ** 2)))
