@@ -24,7 +24,7 @@ from videovec.errors import ConfigError
 from videovec.limits import Between, OneOf
 from videovec.settings import Config
 
-__all__ = ["Setting", "configure", "describe_settings", "preset_names", "validate"]
+__all__ = ["Setting", "configure", "describe_settings", "preset_names", "suggestion", "validate"]
 
 _TRUE = {"true", "yes", "on", "1"}
 _FALSE = {"false", "no", "off", "0"}
@@ -92,6 +92,12 @@ def preset_names() -> tuple[str, ...]:
     return tuple(sorted(entry.name[:-5] for entry in folder.iterdir() if entry.name.endswith(".yaml")))
 
 
+def suggestion(name: str, names: Iterable[str]) -> str:
+    """The end of a message about a name that does not exist: the name that may have been meant, or nothing."""
+    close = get_close_matches(name, list(names), 1)
+    return f"; did you mean '{close[0]}'?" if close else ""
+
+
 def _read_preset(preset: str | Path) -> dict[str, object]:
     path = Path(preset)
     if path.suffix in {".yaml", ".yml"}:
@@ -102,7 +108,7 @@ def _read_preset(preset: str | Path) -> dict[str, object]:
     elif str(preset) in preset_names():
         text = (files("videovec.configs") / f"{preset}.yaml").read_text(encoding="utf-8")
     else:
-        hint = _suggestion(str(preset), preset_names()) or f"; there are {', '.join(preset_names())}"
+        hint = suggestion(str(preset), preset_names()) or f"; there are {', '.join(preset_names())}"
         raise ConfigError(f"unknown preset {preset}{hint}")
     try:
         content = yaml.safe_load(text) or {}
@@ -151,7 +157,7 @@ def _with_value(settings: Any, key: str, value: object, prefix: str = "") -> Any
 
 def _hint_for(name: str, siblings: tuple[str, ...], prefix: str) -> str:
     """A setting that may have been meant: one close by, or one of this name elsewhere."""
-    if near := _suggestion(name, siblings):
+    if near := suggestion(name, siblings):
         return near
     keys = [setting.key for setting in describe_settings()]
     same = [key for key in keys if key.rpartition(".")[2] == name]
@@ -162,11 +168,6 @@ def _hint_for(name: str, siblings: tuple[str, ...], prefix: str) -> str:
     if close:
         return f"; did you mean '{leaves[close[0]]}'?"
     return f"; {prefix.rstrip('.') or 'videovec'} has {', '.join(siblings)}"
-
-
-def _suggestion(name: str, names: Iterable[str]) -> str:
-    close = get_close_matches(name, list(names), 1)
-    return f"; did you mean '{close[0]}'?" if close else ""
 
 
 def _hints(kind: Any) -> dict[str, Any]:
