@@ -1,0 +1,94 @@
+"""The inner loop of the fit: squared residual and gradients in one call, without autograd where numba runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import torch
+from torch import Tensor
+
+from videovec.render.pairs import PairList
+from videovec.render.scene import Scene
+
+__all__ = ["CoverageMatch", "coverage_loss_and_gradients"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoverageMatch:
+    """How well the union of all rows matches ink coverage at the active pixels, and how to improve it.
+
+    Args:
+        loss: Sum of squared residuals of each drawing's active pixels; the other pixels add a constant. float64 [D]
+        value: Coverage of each active pixel. [A]
+        control: Gradient of the whole loss. [G, 4, 2]
+        half_width: Likewise. [G, 2]
+        interval: Likewise. [G, 2]
+        opacity: Likewise. [R]
+    """
+
+    loss: Tensor
+    value: Tensor
+    control: Tensor
+    half_width: Tensor
+    interval: Tensor
+    opacity: Tensor
+
+
+def coverage_loss_and_gradients(
+    scene: Scene, pairs: PairList, scale: float, target: Tensor, extra: Tensor | None = None
+) -> CoverageMatch:
+    """Compare the strokes' coverage with ink coverage, forward and backward.
+
+    Args:
+        scene: The strokes; gradients are not recorded on it and its colours are not read.
+        pairs: Its pair list, whose ``t`` is improved in place.
+        scale: Width of the kernel in pixels.
+        target: Ink coverage, 255 is full. uint8 [D, H, W]
+        extra: Derivative of other losses by each active pixel's value, added to the residual's. [A]
+
+    Returns:
+        Loss, values and gradients, on the device of the scene. Numba on the CPU, torch elsewhere.
+    """
+    if scene.control.device.type == "cpu":
+        return _with_numba(scene, pairs, scale, target, extra)
+    return match_with_torch(scene, pairs, scale, target, extra)
+
+
+def _with_numba(scene: Scene, pairs: PairList, scale: float, target: Tensor, extra: Tensor | None) -> CoverageMatch:
+    from videovec.render.numba_backend import arrays_of, loss_and_gradients
+
+    like = (scene.control, scene.half_width, scene.interval, scene.opacity)
+    control, half_width, interval, opacity = (torch.zeros(v.shape, dtype=scene.control.dtype) for v in like)
+    value = torch.empty(len(pairs.active), dtype=scene.control.dtype)
+    added = torch.empty(0, dtype=scene.control.dtype) if extra is None else extra.to(scene.control.dtype).contiguous()
+    loss = loss_and_gradients(
+        arrays_of(scene, pairs),
+        scale,
+        target.reshape(-1).numpy(),
+        added.detach().numpy(),
+        value.numpy(),
+        (control.numpy(), half_width.numpy(), interval.numpy(), opacity.numpy()),
+    )
+    return CoverageMatch(torch.from_numpy(loss), value, control, half_width, interval, opacity)
+
+
+def match_with_torch(
+    scene: Scene, pairs: PairList, scale: float, target: Tensor, extra: Tensor | None = None
+) -> CoverageMatch:
+    """`coverage_loss_and_gradients` by autograd, on any device."""
+    from videovec.render.torch_backend import composite_pairs
+
+    leaves = [v.detach().requires_grad_() for v in (scene.control, scene.half_width, scene.interval, scene.opacity)]
+    control, half_width, interval, opacity = leaves
+    inkless = scene.color.new_zeros(len(scene.color), 0)
+    bare = replace(scene, control=control, half_width=half_width, interval=interval, opacity=opacity, color=inkless)
+    _, value = composite_pairs(bare, pairs, scale)
+    residual = value - target.reshape(-1)[pairs.active].to(value.dtype) / 255
+    whole = residual.square().sum() + (0 if extra is None else (extra.detach() * value).sum())
+    grads = torch.autograd.grad(whole, leaves)
+    drawing = torch.repeat_interleave(
+        torch.arange(scene.size[0], device=value.device), pairs.drawing_pixels.diff(), output_size=len(value)
+    )
+    loss = torch.zeros(scene.size[0], dtype=torch.float64, device=value.device)
+    loss.index_add_(0, drawing, residual.detach().double().square())
+    return CoverageMatch(loss, value.detach(), *grads)
