@@ -6,6 +6,7 @@ from videovec.initialise import initialise
 from videovec.ink import extract_ink
 from videovec.link import link
 from videovec.progress import Progress
+from videovec.render import resolve_backend
 from videovec.settings import Config
 from videovec.tracks import StrokeTracks
 
@@ -19,4 +20,4 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
         strokes = initialise(alone, 0, config.initialise)
         drawings.append(fit(alone, strokes, config.fit, config.render, progress).strokes.shifted(drawing))
     strokes = link(drawings, config.propagate.search_range)
-    return StrokeTracks.of(clip, ink, judge(ink, strokes, config.render.backend))
+    return StrokeTracks.of(clip, ink, judge(ink, strokes, resolve_backend(config.render)))

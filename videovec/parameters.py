@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from videovec.render.scene import Scene
+from videovec.render import CoverageMatch, Scene
 from videovec.strokes import Layout, Strokes
 from videovec.visibility import visible_intervals
 
@@ -68,26 +68,46 @@ class Parameters:
             index=_index(strokes, device),
         )
 
-    def scene(self, size: tuple[int, int, int]) -> Scene:
+    def intervals(self) -> Tensor:
+        """The visible part of each of the renderer's segments, for the points as they are now. [G, 2] in t"""
+        intervals = visible_intervals(replace(self.strokes, points=_numpy(self.points)))
+        return torch.as_tensor(intervals[self.index.segments], dtype=self.points.dtype, device=self.points.device)
+
+    def scene(self, size: tuple[int, int, int], intervals: Tensor) -> Scene:
         """What the renderer draws: coverage alone, in one channel.
 
         Args:
             size: D, H and W of the pages.
+            intervals: The visible part of each segment. [G, 2] in t
         """
         index = self.index
         opacity = torch.sigmoid(self.logit_opacity)
         opacity = torch.where(self.logit_opacity > _OPAQUE_LOGIT, torch.ones_like(opacity), opacity)
-        intervals = visible_intervals(replace(self.strokes, points=_numpy(self.points)))[index.segments]
         return Scene(
             control=self.points[index.points],
             half_width=self.log_half_width.exp()[index.joints],
-            interval=torch.as_tensor(intervals, dtype=self.points.dtype, device=self.points.device),
+            interval=intervals,
             row=index.row,
             opacity=opacity[index.rows],
-            color=torch.ones((len(index.rows), 1), dtype=self.points.dtype, device=self.points.device),
+            color=opacity.new_zeros((len(index.rows), 0)),
             drawing=index.drawing,
             size=size,
         )
+
+    def accumulate(self, gradients: CoverageMatch) -> None:
+        """Add the renderer's gradients of segments and rows to those of the free tensors."""
+        index = self.index
+        with torch.no_grad():
+            half_width = self.log_half_width.exp()[index.joints]
+            opacity = torch.sigmoid(self.logit_opacity)[index.rows]
+            for tensor, where, gradient in (
+                (self.points, index.points, gradients.control),
+                (self.log_half_width, index.joints, gradients.half_width * half_width),
+                (self.logit_opacity, index.rows, gradients.opacity * opacity * (1 - opacity)),
+            ):
+                if tensor.grad is None:
+                    tensor.grad = torch.zeros_like(tensor)
+                tensor.grad.index_add_(0, where.flatten(), gradient.reshape(-1, *tensor.shape[1:]))
 
     def to_strokes(self) -> Strokes:
         """The strokes that the tensors stand for now."""

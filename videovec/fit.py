@@ -1,0 +1,150 @@
+"""The joint fit: all drawings of a clip at once, with shared identities and temporal terms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from videovec.evidence import Evidence, gather_evidence
+from videovec.ink import Ink
+from videovec.optimise import Schedule, Term, optimise
+from videovec.parameters import Parameters
+from videovec.progress import Progress, Silent
+from videovec.render import Backend, render_image, resolve_backend
+from videovec.settings import FitSettings, RenderSettings, Weights
+from videovec.strokes import Strokes
+from videovec.temporal import Neighbours, acceleration, rigidity, width_change
+
+__all__ = ["FitResult", "draw_coverage", "fit", "judge"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FitResult:
+    """Fitted strokes and what the ink says of them.
+
+    Args:
+        strokes: S strokes over D drawings.
+        evidence: Error and support of each row.
+        psnr: Of the rendered coverage against the seen one, for each drawing. dB [D]
+    """
+
+    strokes: Strokes
+    evidence: Evidence
+    psnr: NDArray[np.float64]
+
+
+def fit(
+    ink: Ink,
+    strokes: Strokes,
+    settings: FitSettings,
+    render: RenderSettings | None = None,
+    progress: Progress | None = None,
+) -> FitResult:
+    """Optimise strokes over all the drawings of their lives.
+
+    A long clip is taken in windows that overlap: each window is fitted together with its surroundings, so that the
+    temporal terms see across its edges, and memory does not grow with the clip.
+
+    Args:
+        ink: What is drawn. D drawings
+        strokes: Where the fit starts; topology and lives stay.
+        settings: Steps, weights and windows.
+        render: Which renderer.
+        progress: Told of every step.
+
+    Returns:
+        The fitted strokes, their evidence and the error of every drawing.
+    """
+    progress = progress or Silent()
+    backend = resolve_backend(render or RenderSettings())
+    windows = list(_windows(ink.drawing_count, settings))
+    schedule = _schedule(settings, ink.drawing_count)
+    progress.stage("fit", schedule.steps * len(windows))
+    for first, last in windows:
+        around = max(0, first - settings.overlap), min(ink.drawing_count - 1, last + settings.overlap)
+        part = strokes.within(*around).shifted(-around[0])
+        target = ink.coverage[around[0] : around[1] + 1]
+        fitted = optimise(part, target, schedule, _terms(part, settings.weights), backend, progress).strokes
+        strokes = strokes.with_rows_of(fitted.shifted(around[0]).within(first, last))
+    return judge(ink, strokes, backend)
+
+
+def judge(ink: Ink, strokes: Strokes, backend: Backend) -> FitResult:
+    """Compare strokes with the ink, drawing by drawing.
+
+    Args:
+        ink: What is drawn.
+        strokes: What is said to be drawn.
+        backend: Which renderer, on which device.
+
+    Returns:
+        The strokes as they are, their evidence, and the error of every drawing.
+    """
+    drawn = draw_coverage(strokes, ink.coverage.shape, backend)
+    squared = [
+        np.mean((a.astype(np.float32) - b.astype(np.float32)) ** 2) / 255**2
+        for a, b in zip(ink.coverage, drawn, strict=True)
+    ]
+    psnr = -10 * np.log10(np.maximum(squared, 1e-10))
+    return FitResult(strokes, gather_evidence(strokes, ink.coverage, drawn), psnr)
+
+
+def draw_coverage(strokes: Strokes, size: tuple[int, ...], backend: Backend) -> NDArray[np.uint8]:
+    """Render the coverage of strokes, one drawing after the other.
+
+    Args:
+        strokes: S strokes over D drawings.
+        size: D, H and W.
+        backend: Which renderer, on which device.
+
+    Returns:
+        Coverage, 255 is full. uint8 [D, H, W]
+    """
+    drawn = np.zeros(size, np.uint8)
+    for drawing in range(size[0]):
+        part = Parameters.of(strokes.at_drawing(drawing, as_drawing=0), backend.device)
+        with torch.no_grad():
+            scene = part.scene((1, size[1], size[2]), part.intervals())
+            scene = replace(scene, color=scene.opacity.new_ones((len(scene.opacity), 1)))
+            image = render_image(scene, scene.opacity.new_zeros(1), backend=backend.name)
+        drawn[drawing] = (image[0, :, :, 0].clamp(0, 1) * 255).round().byte().cpu().numpy()
+    return drawn
+
+
+def _schedule(settings: FitSettings, drawings: int) -> Schedule:
+    if drawings == 1:
+        return Schedule(steps=settings.steps)
+    return Schedule(steps=settings.joint_steps, rate=0.15, scale=1.5)
+
+
+def _windows(drawings: int, settings: FitSettings) -> Iterator[tuple[int, int]]:
+    """First and last drawing of each window, of nearly equal lengths."""
+    count = -(-drawings // settings.window)
+    edges = np.linspace(0, drawings, count + 1).round().astype(int).tolist()
+    return ((a, b - 1) for a, b in pairwise(edges))
+
+
+def _terms(strokes: Strokes, weights: Weights) -> list[Term]:
+    """The terms beside the photometric one that have a weight."""
+    neighbours = Neighbours.of(strokes.layout)
+    terms: list[tuple[float, Term]] = []
+    if len(neighbours.points):
+        terms += [
+            (weights.acceleration, lambda p: acceleration(p.points, neighbours)),
+            (weights.rigidity, lambda p: rigidity(p.points, neighbours)),
+            (weights.width_change, lambda p: width_change(p.log_half_width, neighbours)),
+        ]
+    return [_weighted(weight, term) for weight, term in terms if weight > 0]
+
+
+def _weighted(weight: float, term: Term) -> Term:
+    def weighted(parameters: Parameters) -> Tensor:
+        return weight * term(parameters)
+
+    return weighted

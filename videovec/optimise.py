@@ -1,0 +1,128 @@
+"""The loop that moves strokes until their rendering is the drawing: the one optimiser of all stages.
+
+Strokes become free tensors, the renderer gives the photometric loss and its gradients at active pixels, other terms are
+added by whoever calls, and Adam takes the steps. The kernel's scale falls to 1 on the way: coarse to fine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from videovec.parameters import Parameters
+from videovec.progress import Progress, Silent
+from videovec.render import Backend, coverage_loss_and_gradients, list_pairs, resolve_backend
+from videovec.settings import RenderSettings
+from videovec.strokes import Strokes
+
+__all__ = ["Optimised", "Schedule", "Term", "optimise"]
+
+Term = Callable[[Parameters], Tensor]
+"""A weighted scalar that autograd can follow to the parameters."""
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """How the steps are taken.
+
+    Args:
+        steps: Number of optimiser updates.
+        rate: Step of control points at the start; it falls to a tenth along a cosine. px
+        width_rate: Step of the logarithm of half-widths; 0 keeps them.
+        opacity_rate: Step of the logit of opacities; 0 keeps them.
+        scale: Kernel scale at the start.
+        coarse: Share of the steps over which the scale falls to 1.
+        rebuild: Steps between two builds of the pair lists.
+    """
+
+    steps: int = 200
+    rate: float = 0.3
+    width_rate: float = 0.03
+    opacity_rate: float = 0.0
+    scale: float = 2.0
+    coarse: float = 0.3
+    rebuild: int = 10
+
+    def scale_at(self, step: int) -> float:
+        """Kernel scale of a step: geometric from ``scale`` to 1, kept between two builds of the lists."""
+        fall = self.coarse * self.steps
+        begin = step - step % self.rebuild
+        return float(self.scale ** max(0.0, 1 - begin / fall)) if fall > 0 else 1.0
+
+    def decay_at(self, step: int) -> float:
+        """Share of the rates that a step has."""
+        return 0.1 + 0.45 * (1 + float(np.cos(np.pi * step / max(self.steps, 1))))
+
+
+class Optimised(NamedTuple):
+    """The moved strokes, and the sum of squared coverage errors at active pixels of every step."""
+
+    strokes: Strokes
+    losses: NDArray[np.float64]
+
+
+def optimise(
+    strokes: Strokes,
+    target: NDArray[np.uint8],
+    schedule: Schedule,
+    terms: Sequence[Term] = (),
+    backend: Backend | None = None,
+    progress: Progress | None = None,
+) -> Optimised:
+    """Move strokes until they draw the target.
+
+    Args:
+        strokes: S strokes over D drawings.
+        target: Ink coverage, 255 is full. uint8 [D, H, W]
+        schedule: How the steps are taken.
+        terms: What else is to be small, beside the sum over pixels of the squared coverage error.
+        backend: Which renderer, on which device; chosen by what there is unless told.
+        progress: Advanced at every step.
+
+    Returns:
+        The strokes of the same topology and lives, and the course of the loss.
+    """
+    progress = progress or Silent()
+    if not len(strokes) or not schedule.steps:
+        return Optimised(strokes, np.zeros(0))
+    backend = backend or resolve_backend(RenderSettings())
+    parameters = Parameters.of(strokes, backend.device)
+    seen = torch.as_tensor(target, device=backend.device)
+    size = (target.shape[0], target.shape[1], target.shape[2])
+    optimiser, rates = _optimiser(parameters, schedule)
+    losses = np.zeros(schedule.steps)
+    for step in range(schedule.steps):
+        scale = schedule.scale_at(step)
+        with torch.no_grad():
+            if step % schedule.rebuild == 0:
+                intervals = parameters.intervals()
+                pairs = list_pairs(parameters.scene(size, intervals), scale)
+            match = coverage_loss_and_gradients(parameters.scene(size, intervals), pairs, scale, seen)
+        optimiser.zero_grad(set_to_none=False)
+        for term in terms:
+            term(parameters).backward()  # type: ignore[no-untyped-call]
+        parameters.accumulate(match)
+        for group, rate in zip(optimiser.param_groups, rates, strict=True):
+            group["lr"] = rate * schedule.decay_at(step)
+        optimiser.step()
+        losses[step] = float(match.loss.sum())
+        progress.advance()
+    return Optimised(parameters.to_strokes(), losses)
+
+
+def _optimiser(parameters: Parameters, schedule: Schedule) -> tuple[torch.optim.Optimizer, list[float]]:
+    free = [
+        (parameters.points, schedule.rate),
+        (parameters.log_half_width, schedule.width_rate),
+        (parameters.logit_opacity, schedule.opacity_rate),
+    ]
+    for tensor, _ in free:
+        tensor.grad = torch.zeros_like(tensor)
+    optimiser = torch.optim.Adam([{"params": [tensor]} for tensor, _ in free], betas=(0.9, 0.99), eps=1e-8)
+    return optimiser, [rate for _, rate in free]
