@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.clip import Timeline
+from videovec.clip import Clip, Timeline
 from videovec.errors import FitError
 from videovec.events import Event
+from videovec.fit import FitResult
+from videovec.ink import Ink
 from videovec.strokes import Strokes
 
 __all__ = ["StrokeTracks"]
@@ -43,3 +45,25 @@ class StrokeTracks:
         rows = self.strokes.row_count
         if self.error.shape != (rows,) or self.confidence.shape != (rows,):
             raise FitError(f"tracks need error and confidence [{rows}], got {self.error.shape}")
+
+    @staticmethod
+    def of(clip: Clip, ink: Ink, result: FitResult, events: tuple[Event, ...] = ()) -> StrokeTracks:
+        """What a fit found in a clip.
+
+        Args:
+            clip: The clip.
+            ink: Its ink, for the colour of the page.
+            result: The fitted strokes and their evidence.
+            events: What happened to them.
+        """
+        evidence = result.evidence
+        return StrokeTracks(
+            name=clip.name,
+            size=clip.size,
+            page=ink.page,
+            timeline=clip.timeline,
+            strokes=result.strokes,
+            events=events,
+            error=evidence.error,
+            confidence=evidence.support,
+        )
