@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from videovec.initialise.trace import Junction, Traced, initialise, trace
+from videovec.initialise.tracer import Junction, Traced, initialise, trace
 
 __all__ = ["Junction", "Traced", "initialise", "trace"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numba
 import numpy as np
@@ -15,7 +16,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Branch:
     """A run of skeleton between two nodes.
 
@@ -31,7 +32,12 @@ class Branch:
     line: Floats
     radius: Floats
 
-    @property
+    @cached_property
+    def thickness(self) -> float:
+        """Median mask radius. px"""
+        return float(np.median(self.radius))
+
+    @cached_property
     def length(self) -> float:
         """Length of the samples' polyline. px"""
         return float(np.linalg.norm(np.diff(self.line, axis=0), axis=1).sum())

@@ -34,7 +34,7 @@ class Widths:
 
     def of(self, branch: Branch) -> float:
         """Width of a branch. px"""
-        return max(self.least, self.calibration * float(np.median(branch.radius)))
+        return max(self.least, self.calibration * branch.thickness)
 
     def at(self, graph: Graph, node: int) -> float:
         """Width of the widest line at a node. px"""

@@ -119,15 +119,24 @@ def _dots(graph: Graph, coverage: Coverage, lines: list[CentreLine]) -> tuple[li
     return curves, half_widths
 
 
-def _trace_coverage(coverage: Coverage, noise: float, settings: InitialiseSettings) -> _Lines:
-    """Strokes of one ink."""
+def _cleaned_graph(coverage: Coverage, noise: float) -> tuple[Graph, Widths] | None:
+    """The graph of one ink's lines and how wide they are; nothing where there are no lines."""
     lines = line_mask(coverage, noise)
     if not lines.mask.any():
-        return _Lines([], [], [], [])
+        return None
     radius = cv2.distanceTransform(np.pad(lines.mask, 1), cv2.DIST_L2, 5)[1:-1, 1:-1].astype(np.float32)
     graph = skeleton_graph(thin(lines.mask), radius, lines.scale)
     widths = _calibrated(graph, coverage)
     clean(graph, widths)
+    return graph, widths
+
+
+def _trace_coverage(coverage: Coverage, noise: float, settings: InitialiseSettings) -> _Lines:
+    """Strokes of one ink."""
+    cleaned = _cleaned_graph(coverage, noise)
+    if cleaned is None:
+        return _Lines([], [], [], [])
+    graph, widths = cleaned
     pairings = pair_branches(graph, widths, settings.max_turn)
     found = [centre_line(graph, chain, widths, coverage) for chain in chains(graph, pairings)]
     for loop, thickness in zip(graph.loops, graph.loop_radius, strict=True):
