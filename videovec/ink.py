@@ -4,12 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.errors import FitError
+from videovec.clip import Clip
+from videovec.errors import FitError, InputError
+from videovec.page import Page, estimate_page, flatten, page_noise, unit_values
+from videovec.palette import Cores, core_masks, estimate_palette, magnitude, sample_cores
+from videovec.progress import Progress, Silent
+from videovec.settings import InkSettings
 
-__all__ = ["Ink"]
+__all__ = ["Ink", "extract_ink"]
+
+Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,3 +56,117 @@ class Ink:
         """The ink of one drawing."""
         part = slice(drawing, drawing + 1)
         return Ink(self.coverage[part], self.label[part], self.palette, self.page, self.noise)
+
+
+def extract_ink(clip: Clip, settings: InkSettings | None = None, progress: Progress | None = None) -> Ink:
+    """Tell page and ink apart, with one palette for the whole clip.
+
+    Args:
+        clip: The drawings.
+        settings: How; the defaults if none.
+        progress: Told of every drawing.
+
+    Returns:
+        Coverage and ink of every pixel. Where black ink lies on a clean white page, coverage is 255 less grey.
+
+    Raises:
+        InputError: Nothing is drawn.
+    """
+    settings, progress = settings or InkSettings(), progress or Silent()
+    count = len(clip.drawings)
+    progress.stage("ink", count)
+    samples = np.unique(np.linspace(0, count - 1, min(count, settings.samples)).round().astype(np.intp))
+    page = estimate_page(clip, samples, settings.flatten)
+    noise, palette = _survey(clip, samples, page, settings)
+    coverage = np.zeros((count, *clip.size), np.uint8)
+    label = np.zeros((count, *clip.size), np.uint8)
+    for drawing, image in enumerate(clip.drawings):
+        deviation = _deviation(unit_values(image), page)
+        coverage[drawing], label[drawing] = _read_drawing(deviation, palette - page.color, noise, settings)
+        progress.advance()
+    if not coverage.any():
+        raise InputError(f"{clip.name}: must show lines on an even page, got no ink in any of {count} drawings")
+    depth = float(magnitude((palette - page.color).astype(np.float32)).max())
+    return Ink(coverage, label, palette, page.color, max(noise) / depth)
+
+
+def _deviation(image: Floats, page: Page) -> Floats:
+    """Value less page, shading taken out. [H, W, 3]"""
+    return flatten(image, page) - page.color.astype(np.float32)
+
+
+def _survey(
+    clip: Clip, samples: NDArray[np.intp], page: Page, settings: InkSettings
+) -> tuple[tuple[float, float], NDArray[np.float64]]:
+    """Noise far from ink and beside it, and the palette."""
+    deviations = [_deviation(unit_values(clip.drawings[drawing]), page) for drawing in samples]
+    strongest = max(float(np.quantile(magnitude(deviation), 0.9999)) for deviation in deviations)
+    if strongest < settings.least_contrast:
+        raise InputError(
+            f"{clip.name}: must show lines that differ from the page by {settings.least_contrast:.0%} of full, "
+            f"got no ink (at most {strongest:.1%})"
+        )
+    noises = [page_noise(d.mean(axis=2), (magnitude(d) > 0.25 * strongest).astype(np.uint8)) for d in deviations]
+    far, beside = (float(np.median([noise[k] for noise in noises])) for k in (0, 1))
+    threshold = max(settings.least_contrast, 6 * max(far, beside), 0.15 * strongest)
+    cores = Cores.concatenate([sample_cores(deviation, threshold) for deviation in deviations])
+    return (far, beside), estimate_palette(cores, page.color)
+
+
+def _read_drawing(
+    deviation: Floats, inks: NDArray[np.float64], noise: tuple[float, float], settings: InkSettings
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """Coverage and label of one drawing. uint8 [H, W] each"""
+    label = _labels(deviation, inks, max(settings.least_contrast, 4 * max(noise)))
+    scale = (inks / (inks**2).sum(axis=1, keepdims=True)).astype(np.float32)
+    share = np.clip((deviation * scale[label]).sum(axis=2), 0, 1)
+    depth = magnitude(inks.astype(np.float32))[label]
+    share[~_is_ink(share * depth, noise, settings)] = 0
+    return np.rint(share * 255).astype(np.uint8), label
+
+
+def _labels(deviation: Floats, inks: NDArray[np.float64], threshold: float) -> NDArray[np.uint8]:
+    """The ink of every pixel: cores by their colour, all others that of the nearest core. uint8 [H, W]"""
+    if len(inks) == 1:
+        return np.zeros(deviation.shape[:2], np.uint8)
+    core, wide = core_masks(deviation, threshold)
+    if not core.any():
+        return np.zeros(deviation.shape[:2], np.uint8)
+    best = np.zeros(core.shape, np.uint8)
+    best[core] = _nearest_ink(deviation[core], wide[core], inks)
+    _, nearest = cv2.distanceTransformWithLabels(
+        (~core).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    of_label = np.zeros(int(nearest.max()) + 1, np.uint8)
+    of_label[nearest[core]] = best[core]
+    label: NDArray[np.uint8] = of_label[nearest]
+    return label
+
+
+def _nearest_ink(deviation: Floats, wide: NDArray[np.bool_], inks: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """The ink of each core: a plateau shows its colour itself, a thin line a share of it. uint8 [N]"""
+    costs = []
+    for ink in inks.astype(np.float32):
+        share = np.where(wide, 1, np.clip(deviation @ (ink / (ink @ ink)), 0, 1))
+        costs.append(np.linalg.norm(deviation - share[:, None] * ink, axis=1) - 1e-3 * np.linalg.norm(ink))
+    best: NDArray[np.uint8] = np.argmin(costs, axis=0).astype(np.uint8)
+    return best
+
+
+def _is_ink(size: Floats, noise: tuple[float, float], settings: InkSettings) -> NDArray[np.bool_]:
+    """Where there is ink and not noise: strong pixels, faint lines that stand out once smoothed, and their edges.
+
+    Args:
+        size: Magnitude along the pixel's ink. [H, W]
+        noise: Far from ink, and beside it.
+        settings: The noise floor.
+    """
+    if max(noise) == 0:
+        anything: NDArray[np.bool_] = size > 0
+        return anything
+    strong = size > max(noise) * 2 * settings.noise_floor
+    beside = cv2.dilate(strong.astype(np.uint8), np.ones((21, 21), np.uint8)) > 0
+    floor = np.where(beside, noise[1], noise[0]) * settings.noise_floor
+    smooth = cv2.GaussianBlur(size, (0, 0), 1.0)
+    seed = strong | ((size > floor) & (smooth > 0.5 * floor))
+    return cv2.dilate(seed.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0

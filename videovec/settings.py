@@ -39,6 +39,12 @@ class InkSettings:
 
     flatten: bool = True
     """Divide uneven paper out."""
+    samples: int = 12
+    """Number of drawings that page, noise and palette are estimated from."""
+    least_contrast: float = 0.04
+    """Least difference between ink and page. Share of that between white and black"""
+    noise_floor: float = 4.0
+    """Ink that stands out of the page by no more than this many standard deviations is noise."""
 
 
 @dataclass(frozen=True, slots=True)
