@@ -16,7 +16,7 @@ from videovec.propagate.kernels import assemble, nearest, relax, rotations
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.target import Target
 
-__all__ = ["COARSE", "FINE", "RIGID", "SIMILAR", "Phase", "Source", "edges_between", "register", "source_of"]
+__all__ = ["COARSE", "FINE", "RIGID", "SIMILAR", "Phase", "Source", "doubled", "register", "source_of"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -116,7 +116,7 @@ def source_of(nodes: Nodes, rest: Floats, ink: Target, weight: Floats | None = N
     """
     pairs = [nodes.hop(distance) for distance, _ in _HOPS]
     along = np.concatenate([np.full(len(p), share) for p, (_, share) in zip(pairs, _HOPS, strict=True)])
-    cross = edges_between(rest)
+    cross = _edges_between(rest)
     reach = np.linalg.norm(rest[cross[:, 0]] - rest[cross[:, 1]], axis=1)
     across = 1.0 / (1.0 + (reach / _CROSS_REACH) ** 2) + 0.02
     both = np.concatenate([*pairs, cross])
@@ -136,7 +136,7 @@ def source_of(nodes: Nodes, rest: Floats, ink: Target, weight: Floats | None = N
     )
 
 
-def edges_between(positions: Floats) -> NDArray[np.intp]:
+def _edges_between(positions: Floats) -> NDArray[np.intp]:
     """Edges of the Delaunay triangulation; none where the points do not span a plane. int [E, 2]"""
     if len(positions) < 4:
         return np.zeros((0, 2), np.intp)
@@ -146,6 +146,12 @@ def edges_between(positions: Floats) -> NDArray[np.intp]:
         return np.zeros((0, 2), np.intp)
     edges = np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     return np.unique(edges, axis=0).astype(np.intp)
+
+
+def doubled(direction: Floats) -> Floats:
+    """Directions at twice their angle, so that opposite ones are equal. [N, 2]"""
+    x, y = direction[:, 0], direction[:, 1]
+    return np.stack([x * x - y * y, 2 * x * y], axis=1)
 
 
 def register(source: Source, target: Target, start: Floats, phases: tuple[Phase, ...] = (RIGID, SIMILAR)) -> Floats:
@@ -201,16 +207,10 @@ def _node_features(source: Source, positions: Floats, turn: Floats, beta: float,
     moments = source.moments.reshape(-1, 2, 2)
     cos, sin = turn[:, None, 0], turn[:, None, 1]
     turned = np.stack([cos * moments[..., 0] - sin * moments[..., 1], sin * moments[..., 0] + cos * moments[..., 1]], 2)
-    return np.concatenate([positions, beta * _doubled(tangent), gamma * turned.reshape(-1, 4)], axis=1)
+    return np.concatenate([positions, beta * doubled(tangent), gamma * turned.reshape(-1, 4)], axis=1)
 
 
 def _ink_features(target: Target, beta: float, gamma: float) -> Floats:
     return np.concatenate(
-        [target.points, beta * _doubled(target.direction), gamma * target.moments(target.points)], axis=1
+        [target.points, beta * doubled(target.direction), gamma * target.moments(target.points)], axis=1
     )
-
-
-def _doubled(direction: Floats) -> Floats:
-    """Directions at twice their angle, so that opposite ones are equal. [N, 2]"""
-    x, y = direction[:, 0], direction[:, 1]
-    return np.stack([x * x - y * y, 2 * x * y], axis=1)

@@ -1,0 +1,150 @@
+"""Other beginnings for a registration that went wrong."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from videovec.propagate.judge import Verdict, judge
+from videovec.propagate.register import COARSE, FINE, RIGID, SIMILAR, Source, register
+from videovec.propagate.search import find_motions, scene_of
+from videovec.propagate.target import Target, sample
+
+__all__ = ["match"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+_ACCEPT = 0.04
+"""Share of nodes without ink, or of ink without nodes, up to which nothing else is tried."""
+_TURNS = 24
+_KEEP = 3
+_FLOW_FALL = 10.0
+"""Distance over which the picture that the optical flow sees falls off. px"""
+_LOOSE = 0.02
+"""What is left of the stiffness between groups that moved apart."""
+_BAD = 0.25
+"""Share of a stroke's nodes without ink from which on its group is searched for."""
+_TOUCH = 6.0
+"""Strokes that come this near are one part. px"""
+_FEWEST = 6
+"""Nodes of the smallest group that is searched for."""
+_GAIN = 0.97
+"""A search must bring the cost below this share of what it was."""
+_ROUNDS = 8
+
+
+def match(source: Source, target: Target, before: Target, velocity: Floats) -> tuple[Floats, Verdict]:
+    """Register strokes to the next drawing, whatever the motion.
+
+    Args:
+        source: The strokes at rest on the previous drawing.
+        target: The drawing to move to.
+        before: The drawing that they come from.
+        velocity: How each node moved in the last step. [N, 2] working px
+
+    Returns:
+        Positions [N, 2] in working px, and how good they are.
+    """
+    positions = register(source, target, source.rest, (RIGID,))
+    verdict = judge(source, target, positions)
+    loose = source
+    if not verdict.is_accepted(_ACCEPT) and len(target):
+        positions, verdict = _best_start(source, target, before, velocity, (positions, verdict))
+        if not verdict.is_accepted(_ACCEPT):
+            loose, positions = _search_parts(source, target, positions, verdict)
+    positions = register(loose, target, positions, (SIMILAR,))
+    return positions, judge(loose, target, positions)
+
+
+def _best_start(
+    source: Source, target: Target, before: Target, velocity: Floats, best: tuple[Floats, Verdict]
+) -> tuple[Floats, Verdict]:
+    """Try the whole drawing from other beginnings."""
+    starts = [source.rest + _flow(before, target, source.rest)]
+    if np.abs(velocity).max(initial=0.0) > 1.0:
+        starts.append(source.rest + velocity)
+    tangents = source.nodes.tangents(source.rest)
+    follows = source.weight > 0
+    if follows.any():
+        scene = scene_of(target, np.ones(len(target)))
+        motions = find_motions(scene, source.rest[follows], tangents[follows], _TURNS, _KEEP)
+        starts.extend(motion.apply(source.rest) for motion in motions)
+    for start in starts:
+        positions = register(source, target, start, (COARSE, FINE))
+        verdict = judge(source, target, positions)
+        if verdict.cost < best[1].cost:
+            best = positions, verdict
+    return best
+
+
+def _flow(before: Target, target: Target, positions: Floats) -> Floats:
+    """Dense optical flow between pictures that glow around the ink. [N, 2] px"""
+    if min(before.ink.shape) < 16:
+        return np.zeros_like(positions)
+    pictures = [(255 * np.exp(-t.distance / _FLOW_FALL)).astype(np.uint8) for t in (before, target)]
+    solver = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+    return sample(np.asarray(solver.calc(*pictures, None), np.float32), positions)
+
+
+def _search_parts(source: Source, target: Target, positions: Floats, verdict: Verdict) -> tuple[Source, Floats]:
+    """Search for parts that went astray, one after the other; each may move apart from the rest."""
+    part = np.zeros(len(positions), np.intp)
+    tried: set[tuple[int, ...]] = set()
+    tangents = source.nodes.tangents(source.rest)
+    for _ in range(_ROUNDS):
+        group = _next_group(source, verdict, tried)
+        if group is None:
+            break
+        members = np.isin(source.nodes.stroke, group)
+        scene = scene_of(target, np.clip(verdict.ink_cost / 4.0, 0.25, 1.0))
+        label = np.where(members, part.max() + 1, part)
+        apart = _loosened(source, label)
+        for motion in find_motions(scene, source.rest[members], tangents[members], _TURNS, _KEEP):
+            start = np.where(members[:, None], motion.apply(source.rest), positions)
+            moved = register(apart, target, start, (COARSE, FINE))
+            new = judge(apart, target, moved)
+            if new.cost < _GAIN * verdict.cost:
+                positions, verdict, part = moved, new, label
+        source = _loosened(source, part)
+    return source, positions
+
+
+def _next_group(source: Source, verdict: Verdict, tried: set[tuple[int, ...]]) -> Ints | None:
+    """The largest group of bad strokes that was not searched for yet: a whole part, or one stroke."""
+    stroke = source.nodes.stroke
+    count = len(source.nodes.bases)
+    size = np.bincount(stroke, source.weight > 0, minlength=count)
+    bad = np.bincount(stroke, verdict.node_far, minlength=count) > _BAD * np.maximum(size, 1)
+    part = _parts(source)
+    groups = [np.flatnonzero(part == p) for p in np.unique(part[bad])]
+    groups += [np.flatnonzero((part == p) & bad) for p in np.unique(part[bad])]
+    groups += [np.array([s]) for s in np.flatnonzero(bad)]
+    groups = [g for g in groups if size[g].sum() >= _FEWEST and tuple(g) not in tried]
+    if not groups:
+        return None
+    group = max(groups, key=lambda g: float(size[g].sum()))
+    tried.add(tuple(group))
+    return group
+
+
+def _parts(source: Source) -> Ints:
+    """Which strokes touch each other at rest, directly or through others. int [S]"""
+    own = np.repeat(np.arange(len(source.nodes)), np.diff(source.indptr))
+    gap = np.linalg.norm(source.rest[own] - source.rest[source.index], axis=1)
+    touching = gap < _TOUCH
+    a, b = source.nodes.stroke[own[touching]], source.nodes.stroke[source.index[touching]]
+    count = len(source.nodes.bases)
+    return np.asarray(connected_components(coo_matrix((np.ones(len(a)), (a, b)), shape=(count, count)))[1], np.intp)
+
+
+def _loosened(source: Source, part: Ints) -> Source:
+    """The source with weak edges between parts."""
+    own = np.repeat(np.arange(len(source.nodes)), np.diff(source.indptr))
+    apart = part[own] != part[source.index]
+    return replace(source, across=np.where(apart, _LOOSE * source.across, source.across))

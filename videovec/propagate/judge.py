@@ -1,0 +1,110 @@
+"""How well placed strokes explain a drawing's ink, and the ink them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.propagate.kernels import nearest, rotations
+from videovec.propagate.nodes import Nodes
+from videovec.propagate.register import Source, doubled
+from videovec.propagate.target import Target
+
+__all__ = ["Verdict", "between_nodes", "judge"]
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+_FAR = 3.5
+"""Distance at which ink and stroke have nothing to do with each other. px"""
+_TRUNCATION = 10.0
+"""Feature distance beyond which a point costs no more. px"""
+_DIRECTION = 6.0
+"""Weight of direction in the feature distance. px"""
+_BENDING = 0.3
+"""Weight of the root of the deformation energy; without it a crumpled stroke would win."""
+_STIFFNESS = (1.0, 0.05)
+"""Of edges along and between strokes, in the deformation energy."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Verdict:
+    """How well strokes and ink agree.
+
+    Args:
+        cost: Mean truncated feature distance both ways and deformation; the lower the better. px
+        node_cost: Truncated feature distance of each node to the ink. [N] px
+        ink_cost: Truncated feature distance of each centre-line point to the strokes. [M] px
+        node_far: Which nodes have no ink near them. bool [N]
+        ink_far: Which centre-line points have no stroke near them. bool [M]
+        bend: Deformation energy of each node. [N] px²
+    """
+
+    cost: float
+    node_cost: Floats
+    ink_cost: Floats
+    node_far: Bools
+    ink_far: Bools
+    bend: Floats
+
+    def is_accepted(self, share: float) -> bool:
+        """Whether no more than a share of nodes and of ink is far from the other."""
+        return bool(np.mean(self.node_far) <= share and np.mean(self.ink_far) <= share)
+
+
+def between_nodes(nodes: Nodes, positions: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Nodes and the middles of their edges, which are a denser picture of the strokes.
+
+    Returns:
+        Positions and the node of each. [K, 2], int [K]
+    """
+    edges = nodes.hop(1)
+    middle = 0.5 * (positions[edges[:, 0]] + positions[edges[:, 1]])
+    owner = np.concatenate([np.arange(len(nodes)), edges[:, 0]])
+    return np.concatenate([positions, middle]), owner
+
+
+def judge(source: Source, target: Target, positions: Floats) -> Verdict:
+    """Measure a placement of nodes.
+
+    Args:
+        source: The strokes at rest.
+        target: The drawing's ink.
+        positions: Where the nodes were put. [N, 2] working px
+
+    Returns:
+        The verdict; nodes that do not follow the ink count for nothing.
+    """
+    counts = source.weight > 0
+    bend = _bending(source, positions)
+    if not len(target) or not counts.any():
+        nothing = np.full(len(positions), _TRUNCATION), np.full(len(target), _TRUNCATION)
+        far = counts.copy(), np.ones(len(target), bool)
+        return Verdict(2 * _TRUNCATION, *nothing, *far, bend)
+    tangent = source.nodes.tangents(positions)
+    dense, owner = between_nodes(source.nodes, positions)
+    features = np.concatenate([dense, _DIRECTION * doubled(tangent)[owner]], axis=1)[counts[owner]]
+    ink = np.concatenate([target.points, _DIRECTION * doubled(target.direction)], axis=1)
+    own = features[: int(counts.sum())]
+    _, to_ink = nearest(own, ink, np.zeros(len(own), np.int64))
+    _, to_node = nearest(ink, features, np.zeros(len(ink), np.int64))
+    node_cost = np.zeros(len(positions))
+    node_cost[counts] = np.minimum(np.sqrt(to_ink), _TRUNCATION)
+    ink_cost = np.minimum(np.sqrt(to_node), _TRUNCATION)
+    _, gap = nearest(target.points, np.ascontiguousarray(features[:, :2]), np.zeros(len(ink), np.int64))
+    node_far = counts & (target.distance_at(positions) > _FAR)
+    cost = float(node_cost[counts].mean() + ink_cost.mean() + _BENDING * np.sqrt(bend[counts].mean()))
+    return Verdict(cost, node_cost, ink_cost, node_far, gap > _FAR**2, bend)
+
+
+def _bending(source: Source, positions: Floats) -> Floats:
+    """As-rigid-as-possible energy of every node. [N] px²"""
+    indptr, index, weight = source.stiffness(*_STIFFNESS)
+    turn = rotations(positions, source.rest, indptr, index, weight, 1.0, 1.0)
+    own = np.repeat(np.arange(len(positions)), np.diff(indptr))
+    rest, now = source.rest[index] - source.rest[own], positions[index] - positions[own]
+    re, im = turn[own, 0], turn[own, 1]
+    turned = np.stack([re * rest[:, 0] - im * rest[:, 1], im * rest[:, 0] + re * rest[:, 1]], axis=1)
+    return np.bincount(own, weight * ((now - turned) ** 2).sum(axis=1), minlength=len(positions))

@@ -1,0 +1,84 @@
+"""The last fraction of a pixel: move strokes until their rendering is the drawing, and keep their shape."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from videovec.optimise import Schedule, Term, optimise
+from videovec.parameters import Parameters
+from videovec.strokes import Strokes
+
+__all__ = ["refine"]
+
+_HOPS = (1, 2, 4, 8)
+"""Control points between the middle and the ends of a triple."""
+_SHORT = 1.0
+"""Squared distance of the ends below which a triple has no direction. px²"""
+
+
+def refine(
+    strokes: Strokes, rest: NDArray[np.float64], coverage: NDArray[np.uint8], steps: int, rigidity: float
+) -> Strokes:
+    """Optimise the control points of one drawing.
+
+    Args:
+        strokes: Strokes of one drawing, about where they belong; the drawing's number is 0.
+        rest: Their control points on the drawing before, whose shape they keep. [P, 2] px
+        coverage: Ink. uint8 [H, W]
+        steps: Optimiser updates.
+        rigidity: Weight of the shape against the sum of squared coverage errors.
+
+    Returns:
+        The strokes with other control points.
+    """
+    if not len(strokes) or not coverage.any():
+        return strokes
+    schedule = Schedule(steps=steps, rate=0.25, width_rate=0.0, scale=3.0, coarse=0.45, rebuild=9)
+    return optimise(strokes, coverage[None], schedule, [_keep_shape(strokes, rest, rigidity)]).strokes
+
+
+def _keep_shape(strokes: Strokes, rest: NDArray[np.float64], weight: float) -> Term:
+    """Draws the middle of every triple of control points where a similarity of its ends puts it."""
+    triples, share = _triples(strokes, rest)
+    shape = _ratio(rest, triples)
+    index = torch.from_numpy(triples)
+    real, imaginary = torch.from_numpy(shape.real.astype(np.float32)), torch.from_numpy(shape.imag.astype(np.float32))
+    balance = torch.from_numpy((weight * share).astype(np.float32))
+
+    def keep_shape(parameters: Parameters) -> torch.Tensor:
+        a, b, c = parameters.points[index].unbind(1)
+        span = c - a
+        turned = torch.stack([-span[:, 1], span[:, 0]], dim=1)
+        gap = b - a - real[:, None] * span - imaginary[:, None] * turned
+        return (balance * gap.square().sum(1)).sum()
+
+    return keep_shape
+
+
+def _triples(strokes: Strokes, rest: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """First, middle and last control points on one stroke [E, 3], and the weight of each triple [E]."""
+    found, share = [np.zeros((0, 3), np.int64)], [np.zeros(0)]
+    for s in range(len(strokes)):
+        start, stop = strokes.layout.row_points[[s, s + 1]]
+        count = stop - start
+        for hop in _HOPS:
+            if strokes.is_closed[s]:
+                ring = count - 1
+                middle = np.arange(ring if ring > 2 * hop else 0)
+                local = np.stack([(middle - hop) % ring, middle, (middle + hop) % ring], axis=1)
+            else:
+                local = np.arange(hop, count - hop)[:, None] + np.array([-hop, 0, hop])
+            found.append(start + local)
+            share.append(np.full(len(local), 1.0 / hop))
+    triples, weight = np.concatenate(found).astype(np.int64), np.concatenate(share)
+    long = ((rest[triples[:, 2]] - rest[triples[:, 0]]) ** 2).sum(1) > _SHORT
+    return triples[long], weight[long]
+
+
+def _ratio(points: NDArray[np.float64], triples: NDArray[np.int64]) -> NDArray[np.complex128]:
+    """Where the middle lies between the ends, as a complex number that no similarity changes. [E]"""
+    z = points[:, 0] + 1j * points[:, 1]
+    a, b, c = z[triples].T
+    return np.asarray((b - a) / (c - a))
