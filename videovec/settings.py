@@ -124,6 +124,10 @@ class ExportSettings:
     """auto, stroke, outline or powerstroke."""
     lottie_tolerance: Annotated[float, Between(0)] = 0.25
     """How far a reduced keyframe curve may lie from the fitted one. px"""
+    lottie_decimals: Annotated[int, Between(0, 6)] = 2
+    """Decimals of a coordinate."""
+    lottie_smooth: bool = False
+    """Move evenly through held drawings instead of stepping from one to the next as the source does."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,26 +76,31 @@ def plan_outline(shapes: Sequence[StrokeShape], tolerance: float = _TOLERANCE) -
     return OutlinePlan(_pieces_needed(control, widths, tolerance), turns, is_loop)
 
 
-def outline(shape: StrokeShape, plan: OutlinePlan) -> tuple[Floats, ...]:
+def outline(shapes: Sequence[StrokeShape], plan: OutlinePlan) -> tuple[Floats, ...]:
     """The outline of the visible part of a stroke, to be filled by the nonzero rule.
 
     Args:
-        shape: The stroke; hidden ends shrink their pieces to nothing, so that the number of cubics stays the plan's.
+        shapes: One stroke, on K drawings; hidden ends shrink their pieces to nothing, so that the number of cubics
+            stays the plan's.
         plan: How many cubics it has.
 
     Returns:
-        One closed spline [3m+1, 2], or two for a ring: the last point of each equals its first.
+        One closed spline, or two for a ring: the last point of each equals its first. [K, 3m+1, 2] px
     """
-    segment, t = _knots(shape, plan)
-    stations = Stations.at(segments_of(shape.points)[segment], _widths_at(shape.half_width, segment, t), t)
-    last = np.cumsum(plan.pieces) - 1
-    left, right = (_side(stations, sign, last, plan) for sign in (1.0, -1.0))
-    backwards = right[::-1, ::-1]
+    segment, t = _knots(shapes, plan)
+    control = np.stack([segments_of(shape.points) for shape in shapes])
+    widths = np.stack([shape.half_width for shape in shapes])
+    each = np.arange(len(shapes))[:, None]
+    before, after = widths[each, segment][..., None], widths[each, segment + 1][..., None]
+    stations = Stations.at(control[each, segment], before + (after - before) * t, t)
+    left, right = (_side(stations, sign, plan) for sign in (1.0, -1.0))
+    backwards = right[:, ::-1, ::-1]
     if plan.is_loop:
         return _joined(left), _joined(backwards)
-    head = _arc(stations, len(segment) - 1, 3, np.pi / 2 * np.array([1, 0, -1]))
-    tail = _arc(stations, 0, 0, np.pi / 2 * np.array([-1, -2, -3]))
-    return (_joined(np.concatenate([left, head, backwards, tail])),)
+    quarter = np.broadcast_to(np.pi / 2, (len(shapes), 3))
+    head = _arcs(stations, (-1, 3), quarter * [1, 0, -1])
+    tail = _arcs(stations, (0, 0), quarter * [-1, -2, -3])
+    return (_joined(np.concatenate([left, head, backwards, tail], axis=1)),)
 
 
 def _pieces_needed(control: Floats, widths: Floats, tolerance: float) -> Ints:
@@ -105,7 +110,7 @@ def _pieces_needed(control: Floats, widths: Floats, tolerance: float) -> Ints:
     grid = even_grid(control.reshape(-1, 4, 2), widths.reshape(-1, 2)).reshape(*widths.shape[:2], -1)
     for count in _PIECES[:-1]:
         some, wide, cuts = (array[:, open_].reshape(-1, *array.shape[2:]) for array in (control, widths, grid))
-        is_good = _side_error(some, wide, cuts, count).reshape(len(control), -1).max(0) <= tolerance
+        is_good = _side_error(some, wide, cuts, count, tolerance).reshape(len(control), -1).max(0) <= tolerance
         needed[open_[is_good]] = count
         open_ = open_[~is_good]
         if not len(open_):
@@ -113,7 +118,7 @@ def _pieces_needed(control: Floats, widths: Floats, tolerance: float) -> Ints:
     return needed
 
 
-def _side_error(control: Floats, widths: Floats, grid: Floats, count: int) -> Floats:
+def _side_error(control: Floats, widths: Floats, grid: Floats, count: int, tolerance: float) -> Floats:
     """How far ``count`` cubics lie from the sides of each segment, along the normal, where they are seen. [G] px"""
     edges = shared_out(grid, count)
     start, step = edges[:, :-1, None], np.diff(edges, axis=1)[..., None]
@@ -121,16 +126,17 @@ def _side_error(control: Floats, widths: Floats, grid: Floats, count: int) -> Fl
         Stations.at(control, widths[:, :1] + (widths[:, 1:] - widths[:, :1]) * t, t)
         for t in ((start + step * within).reshape(len(control), -1) for within in (_THIRDS, _BETWEEN))
     )
-    along = evaluate(control[:, None], grid)
     worst = np.zeros(len(control))
     for sign in (1.0, -1.0):
         cubics = _through(at_knots.side(sign).reshape(-1, count, 4, 2), at_knots.is_tight(sign).reshape(-1, count, 4))
         drawn = evaluate(cubics[..., None, :, :], _BETWEEN).reshape(len(control), -1, 2)
-        side = at_between.side(sign)
-        nearest = np.linalg.norm(side[:, :, None] - along[:, None], axis=-1).min(2)
-        is_inside = at_between.is_tight(sign) | (nearest < at_between.half_width - _INSIDE)
-        error = np.abs(((drawn - side) * at_between.normal).sum(-1))
-        worst = np.maximum(worst, np.where(is_inside, 0, error).max(1))
+        error = np.abs(((drawn - at_between.side(sign)) * at_between.normal).sum(-1))
+        error[at_between.is_tight(sign)] = 0.0
+        segment, place = np.nonzero(error > tolerance)
+        to_others = at_between.side(sign)[segment, place][:, None] - evaluate(control[segment, None], grid[segment])
+        is_inside = np.linalg.norm(to_others, axis=-1).min(1) < at_between.half_width[segment, place] - _INSIDE
+        error[segment[is_inside], place[is_inside]] = 0.0
+        worst = np.maximum(worst, error.max(1))
     return worst
 
 
@@ -153,71 +159,68 @@ def _turns_needed(control: Floats, widths: Floats, tolerance: float) -> Ints:
     return turns
 
 
-def _side(stations: Stations, sign: float, last: Ints, plan: OutlinePlan) -> Floats:
-    """The cubics along one side, those of its corners between. [m, 4, 2]"""
+def _side(stations: Stations, sign: float, plan: OutlinePlan) -> Floats:
+    """The cubics along one side, those of its corners between. [K, m, 4, 2]"""
     pieces = _through(stations.side(sign), stations.is_tight(sign))
-    starts = np.concatenate([[0], last + 1])
+    starts = np.concatenate([[0], np.cumsum(plan.pieces)])
     parts = []
     for k, turns in enumerate(plan.turns):
-        parts.append(pieces[starts[k] : starts[k + 1]])
+        parts.append(pieces[:, starts[k] : starts[k + 1]])
         if turns:
-            following = int(starts[(k + 1) % len(plan.turns)])
-            parts.append(_corner(stations, sign, (int(last[k]), following), int(turns)))
-    return np.concatenate(parts)
+            joint = int(starts[k + 1]) - 1, int(starts[(k + 1) % len(plan.turns)])
+            parts.append(_corner(stations, sign, joint, int(turns)))
+    return np.concatenate(parts, axis=1)
 
 
 def _corner(stations: Stations, sign: float, joint: tuple[int, int], turns: int) -> Floats:
-    """One side of a corner: a fan where it is the outer one, else the way through the joint. [turns, 4, 2]"""
+    """One side of a corner: a fan where it is the outer one, else the way through the joint. [K, turns, 4, 2]"""
     before, after = joint
-    turn = float(angle_between(stations.tangent[before, 3], stations.tangent[after, 0]))
-    if sign * turn <= 0:
-        return _arc(stations, before, 3, sign * np.pi / 2 + turn * np.arange(turns + 1) / turns)
-    corners = [stations.side(sign)[before, 3], stations.side(sign)[after, 0]]
+    turn = angle_between(stations.tangent[:, before, 3], stations.tangent[:, after, 0])[:, None]
+    fan = _arcs(stations, (before, 3), sign * np.pi / 2 + turn * np.arange(turns + 1) / turns)
+    side = stations.side(sign)
+    way = [side[:, before, 3], side[:, after, 0]]
     if turns == 2:
-        corners.insert(1, stations.center[before, 3])
-    return np.stack([_STRAIGHT @ np.stack([a, a, b, b]) for a, b in pairwise(corners)])
+        way.insert(1, stations.center[:, before, 3])
+    straight = np.stack([_STRAIGHT @ np.stack([a, a, b, b], axis=1) for a, b in pairwise(way)], axis=1)
+    return np.where((sign * turn <= 0)[..., None, None], fan, straight)
 
 
-def _arc(stations: Stations, piece: int, end: int, angles: Floats) -> Floats:
-    """Circular arcs around a station, between angles from its tangent to the left. [len(angles) - 1, 4, 2]
+def _arcs(stations: Stations, place: tuple[int, int], angles: Floats) -> Floats:
+    """Circular arcs around a station, between angles [K, A] from its tangent to the left. [K, A - 1, 4, 2]
 
     Source:
         Handles of (4/3) tan(angle / 4) radii: within 3e-4 of the radius for a quarter turn.
     """
-    center, tangent = stations.center[piece, end], stations.tangent[piece, end]
-    radius = stations.half_width[piece, end]
-    heading = np.arctan2(tangent[1], tangent[0])
-    direction = np.stack([np.cos(heading + angles), np.sin(heading + angles)], -1)
-    along = np.stack([-direction[:, 1], direction[:, 0]], -1)
-    handle = (4 / 3 * np.tan(np.diff(angles) / 4))[:, None]
-    on = center + radius * direction
-    return np.stack(
-        [on[:-1], on[:-1] + radius * handle * along[:-1], on[1:] - radius * handle * along[1:], on[1:]], axis=1
-    )
+    center, tangent = (array[:, *place][:, None] for array in (stations.center, stations.tangent))
+    radius = stations.half_width[:, *place][:, None, None]
+    heading = np.arctan2(tangent[..., 1], tangent[..., 0]) + angles
+    outward = radius * np.stack([np.cos(heading), np.sin(heading)], -1)
+    along = np.stack([-outward[..., 1], outward[..., 0]], -1)
+    handle = (4 / 3 * np.tan(np.diff(angles) / 4))[..., None]
+    on = center + outward
+    return np.stack([on[:, :-1], on[:, :-1] + handle * along[:, :-1], on[:, 1:] - handle * along[:, 1:], on[:, 1:]], 2)
 
 
 def _joined(cubics: Floats) -> Floats:
-    """One closed spline out of cubics that follow each other. [m, 4, 2] -> [3m+1, 2]"""
-    points = cubics[:, 1:].reshape(-1, 2)
-    return np.concatenate([points[-1:], points])
+    """One closed spline out of cubics that follow each other. [K, m, 4, 2] -> [K, 3m+1, 2]"""
+    points = cubics[:, :, 1:].reshape(len(cubics), -1, 2)
+    return np.concatenate([points[:, -1:], points], axis=1)
 
 
-def _knots(shape: StrokeShape, plan: OutlinePlan) -> tuple[Ints, Floats]:
-    """Segment [Q] and four parameters [Q, 4] of each piece; hidden pieces lie at the end of the visible part."""
+def _knots(shapes: Sequence[StrokeShape], plan: OutlinePlan) -> tuple[Ints, Floats]:
+    """Segment [K, Q] and four parameters [K, Q, 4] of each piece; hidden pieces lie at the end of the visible part."""
     count = len(plan.pieces)
-    segment = np.repeat(np.arange(count), plan.pieces)
-    grid = even_grid(segments_of(shape.points), np.stack([shape.half_width[:-1], shape.half_width[1:]], -1))
-    cuts = [k + shared_out(grid[k : k + 1], int(pieces))[0] for k, pieces in enumerate(plan.pieces)]
-    edges = np.concatenate([np.stack([cut[:-1], cut[1:]], -1) for cut in cuts])
-    if not shape.is_whole:
-        at, t = parameter_at(shape.points, np.asarray(shape.visible))
-        edges = np.clip(edges, (at + t)[0], max(at + t))
-        is_hidden = edges[:, 0] == edges[:, 1]
-        segment = np.where(is_hidden, np.minimum(edges[:, 0].astype(np.intp), count - 1), segment)
-    edges = edges - segment[:, None]
-    return segment, edges[:, :1] + (edges[:, 1:] - edges[:, :1]) * _THIRDS
-
-
-def _widths_at(half_width: Floats, segment: Ints, t: Floats) -> Floats:
-    before, after = half_width[segment][:, None], half_width[segment + 1][:, None]
-    return np.asarray(before + (after - before) * t)
+    control = np.concatenate([segments_of(shape.points) for shape in shapes])
+    widths = np.concatenate([np.stack([shape.half_width[:-1], shape.half_width[1:]], -1) for shape in shapes])
+    grid = even_grid(control, widths).reshape(len(shapes), count, -1)
+    cuts = [k + shared_out(grid[:, k], int(pieces)) for k, pieces in enumerate(plan.pieces)]
+    edges = np.concatenate([np.stack([cut[:, :-1], cut[:, 1:]], -1) for cut in cuts], axis=1)  # [K, Q, 2]
+    segment = np.tile(np.repeat(np.arange(count), plan.pieces), (len(shapes), 1))
+    for k, shape in enumerate(shapes):
+        if not shape.is_whole:
+            at, t = parameter_at(shape.points, np.asarray(shape.visible))
+            edges[k] = np.clip(edges[k], (at + t)[0], max(at + t))
+            is_hidden = edges[k, :, 0] == edges[k, :, 1]
+            segment[k, is_hidden] = np.minimum(edges[k, is_hidden, 0].astype(np.intp), count - 1)
+    edges = edges - segment[..., None]
+    return segment, edges[..., :1] + (edges[..., 1:] - edges[..., :1]) * _THIRDS
