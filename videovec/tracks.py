@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from videovec.clip import Clip, Timeline
-from videovec.errors import FitError
+from videovec.errors import FitError, InputError
 from videovec.events import Event
+from videovec.files import write_file
 from videovec.fit import FitResult
 from videovec.ink import Ink
 from videovec.strokes import Strokes
+from videovec.track_archive import (
+    pack,
+    pack_events,
+    pack_strokes,
+    pack_timeline,
+    unpack,
+    unpack_events,
+    unpack_strokes,
+    unpack_timeline,
+)
 
 __all__ = ["StrokeTracks"]
 
@@ -66,4 +78,50 @@ class StrokeTracks:
             events=events,
             error=evidence.error,
             confidence=evidence.support,
+        )
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to an ``.npz`` without pickle, from which all can be exported again.
+
+        Raises:
+            OutputError: The place cannot be written to.
+        """
+        return write_file(Path(path), self.to_bytes())
+
+    def to_bytes(self) -> bytes:
+        """What :meth:`save` writes."""
+        arrays = {
+            "name": np.array(self.name),
+            "size": np.array(self.size, dtype=np.int64),
+            "page": self.page,
+            "error": self.error,
+            "confidence": self.confidence,
+        }
+        parts = (pack_timeline(self.timeline), pack_strokes(self.strokes), pack_events(self.events))
+        for part in parts:
+            arrays |= part
+        return pack(arrays)
+
+    @staticmethod
+    def load(path: str | Path) -> StrokeTracks:
+        """Read what :meth:`save` wrote.
+
+        Raises:
+            InputError: There is no such file, or it holds no tracks of this version.
+        """
+        try:
+            data = Path(path).read_bytes()
+        except OSError as error:
+            raise InputError(f"cannot read tracks {path}: {error.strerror or error}") from error
+        arrays = unpack(data, str(path))
+        height, width = arrays["size"].tolist()
+        return StrokeTracks(
+            name=str(arrays["name"]),
+            size=(height, width),
+            page=arrays["page"].astype(np.float64),
+            timeline=unpack_timeline(arrays),
+            strokes=unpack_strokes(arrays),
+            events=unpack_events(arrays),
+            error=arrays["error"].astype(np.float64),
+            confidence=arrays["confidence"].astype(np.float64),
         )
