@@ -9,6 +9,7 @@ from torch import Tensor
 
 from videovec.render.pairs import PairList
 from videovec.render.scene import Scene
+from videovec.threads import over_ranges
 
 __all__ = ["CoverageMatch", "coverage_loss_and_gradients"]
 
@@ -55,21 +56,17 @@ def coverage_loss_and_gradients(
 
 
 def _with_numba(scene: Scene, pairs: PairList, scale: float, target: Tensor, extra: Tensor | None) -> CoverageMatch:
-    from videovec.render.numba_backend import arrays_of, loss_and_gradients
+    from videovec.render.numba_backend import arrays_of, match_drawings
 
+    real = scene.control.dtype
     like = (scene.control, scene.half_width, scene.interval, scene.opacity)
-    control, half_width, interval, opacity = (torch.zeros(v.shape, dtype=scene.control.dtype) for v in like)
-    value = torch.empty(len(pairs.active), dtype=scene.control.dtype)
-    added = torch.empty(0, dtype=scene.control.dtype) if extra is None else extra.to(scene.control.dtype).contiguous()
-    loss = loss_and_gradients(
-        arrays_of(scene, pairs),
-        scale,
-        target.reshape(-1).numpy(),
-        added.detach().numpy(),
-        value.numpy(),
-        (control.numpy(), half_width.numpy(), interval.numpy(), opacity.numpy()),
-    )
-    return CoverageMatch(torch.from_numpy(loss), value, control, half_width, interval, opacity)
+    control, half_width, interval, opacity = (torch.zeros(v.shape, dtype=real) for v in like)
+    loss, value = torch.zeros(scene.size[0], dtype=torch.float64), torch.empty(len(pairs.active), dtype=real)
+    added = torch.empty(0, dtype=real) if extra is None else extra.detach().to(real).contiguous()
+    arrays, wanted = arrays_of(scene, pairs), target.reshape(-1).numpy()
+    out = tuple(v.numpy() for v in (loss, value, control, half_width, interval, opacity))
+    over_ranges(lambda drawings: match_drawings(arrays, drawings, scale, wanted, added.numpy(), out), scene.size[0])
+    return CoverageMatch(loss, value, control, half_width, interval, opacity)
 
 
 def match_with_torch(

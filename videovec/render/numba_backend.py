@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 from torch import Tensor
 
@@ -17,7 +17,7 @@ from videovec.render.numba_kernels import PARTIALS, accumulate, evaluate
 from videovec.render.pairs import PairList
 from videovec.render.scene import Scene
 
-__all__ = ["Arrays", "arrays_of", "loss_and_gradients"]
+__all__ = ["Arrays", "arrays_of", "match_drawings"]
 
 Array = NDArray[Any]
 
@@ -73,13 +73,19 @@ def arrays_of(scene: Scene, pairs: PairList) -> Arrays:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _visible(a: Arrays, chunk: int) -> tuple[Array, bool, bool]:
+def _visible(a: Arrays, chunk: int) -> tuple[tuple[Any, Any], bool, bool]:
     """First and last visible t of a chunk, and whether those are ends of the visible interval."""
     g = a.segment[chunk]
-    ends = np.empty(2, a.control.dtype)
-    ends[0] = max(a.bounds[chunk, 0], a.interval[g, 0])
-    ends[1] = min(a.bounds[chunk, 1], a.interval[g, 1])
+    ends = max(a.bounds[chunk, 0], a.interval[g, 0]), min(a.bounds[chunk, 1], a.interval[g, 1])
     return ends, a.interval[g, 0] >= a.bounds[chunk, 0], a.interval[g, 1] <= a.bounds[chunk, 1]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _fields(a: Arrays, scratch: Array, i: int, j: int, first: int) -> tuple[Array, ...]:
+    """t, coverage and partials of pairs i .. j, as contiguous arrays: strided ones would not be vectorised."""
+    m, n = i - first, j - first
+    c, ux, uy, vx, vy, h = scratch[0], scratch[1], scratch[2], scratch[3], scratch[4], scratch[5]
+    return a.t[i:j], c[m:n], ux[m:n], uy[m:n], vx[m:n], vy[m:n], h[m:n]
 
 
 @njit(cache=True, error_model="numpy")
@@ -92,9 +98,7 @@ def _cover(a: Arrays, scale: float, drawing: int, scratch: Array) -> None:
         if not ends[1] > ends[0]:
             scratch[:, i - first : j - first] = 0
             continue
-        part = scratch[:, i - first : j - first]
-        g = a.segment[chunk]
-        out = (a.t[i:j], part[0], part[1], part[2], part[3], part[4], part[5])
+        g, out = a.segment[chunk], _fields(a, scratch, i, j, first)
         evaluate(a.control[g], a.half_width[g], ends, scale, (a.x[i:j], a.y[i:j]), out)
 
 
@@ -108,10 +112,8 @@ def _gather(a: Arrays, drawing: int, scratch: Array, weight: Array, grads: tuple
         ends, is_first, is_last = _visible(a, chunk)
         if not ends[1] > ends[0]:
             continue
-        g = a.segment[chunk]
-        part, w = scratch[:, i - first : j - first], weight[i - first : j - first]
-        out = (a.t[i:j], part[0], part[1], part[2], part[3], part[4], part[5])
-        accumulate(w, ends, out, grad_control[g], grad_half_width[g])
+        g, out, w = a.segment[chunk], _fields(a, scratch, i, j, first), weight[i - first : j - first]
+        accumulate(w, out, grad_control[g], grad_half_width[g])
         if is_first:
             grad_interval[g, 0] += _end_gradient(a.control[g], a.half_width[g], ends[0], w, out)
         if is_last:
@@ -148,27 +150,34 @@ def _longest(start: Array, begin: int, end: int) -> int:
 
 @njit(cache=True, error_model="numpy")
 def _match(
-    a: Arrays,
-    drawing: int,
-    coverage: Array,
-    target: Array,
-    extra: Array,
-    weight: Array,
-    grad_opacity: Array,
-    value: Array,
+    a: Arrays, drawing: int, fields: tuple[Array, Array], target: Array, extra: Array, grad_opacity: Array, value: Array
 ) -> float:
     """Second pass of the fit: union of the rows, squared residual, derivative by each pair's coverage."""
     real = a.control.dtype.type
+    coverage, weight = fields
     first = a.chunk_pairs[a.drawing_chunks[drawing]]
     begin, end = a.drawing_pixels[drawing], a.drawing_pixels[drawing + 1]
     most = _longest(a.start, begin, end)
     best, best_row = np.empty(most, np.int64), np.empty(most, np.int32)
     clear, one = np.empty(most + 1, a.control.dtype), real(1)
+    clear[0] = one
     total, full = 0.0, real(1 / 255)
     for pixel in range(begin, end):
-        rows, at, stop = 0, a.start[pixel], a.start[pixel + 1]
-        clear[0] = one
-        while at < stop:  # one row after the other
+        at, stop = a.start[pixel], a.start[pixel + 1]
+        wanted = real(target[a.active[pixel]]) * full
+        added = extra[pixel] if len(extra) > 0 else real(0)
+        if stop - at == 1:  # most pixels have one pair
+            row, win = a.order_row[at], a.order[at] - first
+            opacity, covered = a.opacity[row], coverage[win]
+            value[pixel] = opacity * covered
+            residual = value[pixel] - wanted
+            total += residual * residual
+            slope = residual + residual + added
+            weight[win] = slope * opacity
+            grad_opacity[row] += slope * covered
+            continue
+        rows = 0
+        while at < stop:
             row, win = a.order_row[at], a.order[at] - first
             weight[win] = 0
             at += 1
@@ -182,9 +191,9 @@ def _match(
             clear[rows + 1] = clear[rows] * (one - a.opacity[row] * coverage[win])
             rows += 1
         value[pixel] = one - clear[rows]
-        residual = value[pixel] - real(target[a.active[pixel]]) * full
+        residual = value[pixel] - wanted
         total += residual * residual
-        slope = residual + residual + (extra[pixel] if len(extra) > 0 else real(0))
+        slope = residual + residual + added
         for n in range(rows - 1, -1, -1):
             row, win = best_row[n], best[n]
             through = slope * clear[n]
@@ -194,31 +203,26 @@ def _match(
     return total
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
-def loss_and_gradients(
-    a: Arrays, scale: float, target: Array, extra: Array, value: Array, grads: tuple[Array, Array, Array, Array]
-) -> Array:
+@njit(cache=True, nogil=True, error_model="numpy")
+def match_drawings(
+    a: Arrays, drawings: tuple[int, int], scale: float, target: Array, extra: Array, out: tuple[Array, ...]
+) -> None:
     """Forward, squared residual at active pixels and backward, in one go for each drawing.
 
     Args:
         a: Scene and pairs.
+        drawings: First drawing and the one after the last.
         scale: Side of the kernel. px
         target: Ink coverage of all pixels, 255 is full. uint8 [D * H * W]
         extra: Derivative of other losses by each active pixel's value, or empty. [A]
-        value: Coverage of each active pixel, written. [A]
-        grads: Gradients of control, half-width, interval and opacity, zeros, written.
-
-    Returns:
-        Sum of squared residuals of each drawing's active pixels. [D]
+        out: Sum of squared residuals of each drawing's active pixels [D], value of each active pixel [A]; gradients of
+            control, half-width, interval and opacity, zeros before. All are written.
     """
-    drawings = len(a.drawing_chunks) - 1
-    loss = np.zeros(drawings)
-    grad_control, grad_half_width, grad_interval, grad_opacity = grads
-    for drawing in prange(drawings):
+    loss, value, grad_control, grad_half_width, grad_interval, grad_opacity = out
+    for drawing in range(drawings[0], drawings[1]):
         first, last = a.chunk_pairs[a.drawing_chunks[drawing]], a.chunk_pairs[a.drawing_chunks[drawing + 1]]
         scratch = np.empty((PARTIALS + 1, last - first), a.control.dtype)
         weight = np.empty(last - first, a.control.dtype)
         _cover(a, scale, drawing, scratch)
-        loss[drawing] = _match(a, drawing, scratch[0], target, extra, weight, grad_opacity, value)
+        loss[drawing] = _match(a, drawing, (scratch[0], weight), target, extra, grad_opacity, value)
         _gather(a, drawing, scratch, weight, (grad_control, grad_half_width, grad_interval))
-    return loss

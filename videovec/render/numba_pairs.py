@@ -1,4 +1,4 @@
-"""Pair lists on the CPU: scan lines over each chunk, chunks and drawings in parallel."""
+"""Pair lists on the CPU: scan lines over each chunk, then a counting sort by pixel; drawings in parallel."""
 
 from __future__ import annotations
 
@@ -6,49 +6,53 @@ from typing import Any
 
 import numpy as np
 import torch
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
-from videovec.render.pairs import Chunks, PairList
+from videovec.render.pairs import PIECES, SAG, Chunks, PairList
 from videovec.render.scene import Scene
+from videovec.threads import over_ranges
 
 __all__ = ["find_pairs"]
 
 Array = NDArray[Any]
 
-PIECES = 6
-"""Straight pieces that stand for a chunk while its pixels are sought."""
-SAG = 0.3
-"""How far a chunk may lie from those pieces. px"""
-
 
 def find_pairs(scene: Scene, chunks: Chunks, reach: float) -> PairList:
     """List the pixels within half-width + ``reach`` of every chunk."""
-    size = np.array(scene.size)
-    segment, drawing_chunks = chunks.segment.numpy(), chunks.drawing_chunks.numpy()
-    polylines = _polylines(
-        scene.control.detach().numpy(), scene.half_width.detach().numpy(), segment, chunks.bounds.numpy(), reach
-    )
-    most = _starts(_count(polylines, size))
-    pairs = (np.empty(most[-1], np.int16), np.empty(most[-1], np.int16), np.empty(most[-1], polylines.dtype))
-    chunk_pairs = _starts(_fill(polylines, chunks.bounds.numpy(), size, most, *pairs))
-    x, y, t = _compact(most, chunk_pairs, *pairs)
+    drawings, height, width = scene.size
+    shape = (height, width)
+    segment, bounds, drawing_chunks = chunks.segment.numpy(), chunks.bounds.numpy(), chunks.drawing_chunks.numpy()
+    control, half_width = scene.control.detach().numpy(), scene.half_width.detach().numpy()
+    polylines, count = np.empty((len(segment), PIECES + 1, 3), bounds.dtype), np.zeros(len(segment), np.int64)
 
-    row = scene.row.numpy()[segment].astype(np.int32)
-    drawing_pixels = _starts(_count_active(drawing_chunks, chunk_pairs, x, y, size))
-    active, start, order, order_row = _index(drawing_chunks, chunk_pairs, row, x, y, drawing_pixels, size)
-    as_tensor = torch.from_numpy
+    def measure(part: tuple[int, int]) -> None:
+        chunk = drawing_chunks[part[0]], drawing_chunks[part[1]]
+        _polylines((control, half_width, segment, bounds), reach, chunk, polylines)
+        _count(polylines, shape, chunk, count)
+
+    def fill(part: tuple[int, int]) -> None:
+        chunk = drawing_chunks[part[0]], drawing_chunks[part[1]]
+        _fill(polylines, bounds, shape, chunk, (most, x, y, t), count)
+
+    over_ranges(measure, drawings)
+    most = _starts(count)
+    x, y, t = np.empty(most[-1], np.int16), np.empty(most[-1], np.int16), np.empty(most[-1], bounds.dtype)
+    over_ranges(fill, drawings)
+    chunk_pairs = _starts(count)
+    _compact(most, chunk_pairs, x, y, t)
+    x, y, t = (values[: chunk_pairs[-1]].copy() for values in (x, y, t))
+
+    row, found = scene.row.numpy()[segment].astype(np.int32), np.zeros(drawings, np.int64)
+    active, start = np.empty(len(x), np.int64), np.empty(len(x), np.int64)
+    order, order_row = np.empty(len(x), np.int32), np.empty(len(x), np.int32)
+    lists, index = (drawing_chunks, chunk_pairs, row, x, y), (active, start, order, order_row)
+    over_ranges(lambda part: _index(lists, shape, part, index, found), drawings)
+    keep = _kept(chunk_pairs[drawing_chunks], found)
     return PairList(
-        chunks=chunks,
-        chunk_pairs=as_tensor(chunk_pairs),
-        x=as_tensor(x),
-        y=as_tensor(y),
-        t=as_tensor(t),
-        active=as_tensor(active),
-        start=as_tensor(start),
-        order=as_tensor(order),
-        order_row=as_tensor(order_row),
-        drawing_pixels=as_tensor(drawing_pixels),
+        chunks,
+        *(torch.from_numpy(v) for v in (chunk_pairs, x, y, t, active[keep], np.append(start[keep], len(x)))),
+        *(torch.from_numpy(v) for v in (order, order_row, _starts(found))),
     )
 
 
@@ -56,30 +60,33 @@ def _starts(counts: Array) -> Array:
     return np.concatenate([np.zeros(1, np.int64), np.cumsum(counts, dtype=np.int64)])
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
-def _polylines(control: Array, half_width: Array, segment: Array, bounds: Array, reach: float) -> Array:
-    """Vertices of each chunk and how far around them its pixels lie. [K, PIECES + 1, 3] px"""
-    out = np.empty((len(segment), PIECES + 1, 3), control.dtype)
-    for k in prange(len(segment)):
+def _kept(begin: Array, count: Array) -> Array:
+    """The first ``count[d]`` places from ``begin[d]`` on, of every drawing."""
+    return np.concatenate([np.arange(b, b + n) for b, n in zip(begin[:-1], count, strict=True)])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _polylines(curves: tuple[Array, Array, Array, Array], reach: float, part: tuple[int, int], out: Array) -> None:
+    """Vertices of some chunks and how far around them their pixels lie, into ``out`` [K, PIECES + 1, 3]. px"""
+    control, half_width, segment, bounds = curves
+    for k in range(part[0], part[1]):
         p, h = control[segment[k]], half_width[segment[k]]
         widest = 0.0
         for j in range(PIECES + 1):
             t = bounds[k, 0] + (bounds[k, 1] - bounds[k, 0]) * j / PIECES
             s = 1 - t
+            b0, b1, b2, b3 = s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t
             for axis in range(2):
-                out[k, j, axis] = s * s * (s * p[0, axis] + 3 * t * p[1, axis]) + t * t * (
-                    3 * s * p[2, axis] + t * p[3, axis]
-                )
+                out[k, j, axis] = b0 * p[0, axis] + b1 * p[1, axis] + b2 * p[2, axis] + b3 * p[3, axis]
             widest = max(widest, s * h[0] + t * h[1])
-        out[k, :, 2] = widest + reach
-    return out
+        out[k, :, 2] = widest + reach + SAG
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(cache=True, nogil=True, inline="always", error_model="numpy")
 def _span(polyline: Array, y: float) -> tuple[float, float]:
     """The stretch of a scan line that may lie within reach of a polyline; empty if the first exceeds the second. px"""
     left, right = np.inf, -np.inf
-    reach = polyline[0, 2] + SAG
+    reach = polyline[0, 2]
     for j in range(PIECES):
         ax, ay, bx, by = polyline[j, 0], polyline[j, 1], polyline[j + 1, 0], polyline[j + 1, 1]
         low, high = min(ay, by) - reach, max(ay, by) + reach
@@ -98,15 +105,15 @@ def _span(polyline: Array, y: float) -> tuple[float, float]:
     return left, right
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(cache=True, nogil=True, inline="always", error_model="numpy")
 def _lines(polyline: Array, height: int) -> tuple[int, int]:
     """First scan line of a polyline, and the one after its last."""
-    reach = polyline[0, 2] + SAG
+    reach = polyline[0, 2]
     low, high = polyline[:, 1].min() - reach, polyline[:, 1].max() + reach
     return int(max(0.0, np.floor(low - 0.5))), int(min(height - 1.0, np.ceil(high - 0.5))) + 1
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(cache=True, nogil=True, inline="always", error_model="numpy")
 def _columns(polyline: Array, y: int, width: int) -> tuple[int, int]:
     """First column of a scan line that may be within reach, and the one after the last."""
     left, right = _span(polyline, y + 0.5)
@@ -115,109 +122,102 @@ def _columns(polyline: Array, y: int, width: int) -> tuple[int, int]:
     return int(max(0.0, np.ceil(left - 0.5))), int(min(width - 1.0, np.floor(right - 0.5))) + 1
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
-def _count(polylines: Array, size: Array) -> Array:
-    """The most pixels that each chunk can reach."""
-    count = np.zeros(len(polylines), np.int64)
-    for k in prange(len(polylines)):
-        begin, end = _lines(polylines[k], size[1])
+@njit(cache=True, nogil=True, error_model="numpy")
+def _count(polylines: Array, shape: tuple[int, int], part: tuple[int, int], count: Array) -> None:
+    """The most pixels that some chunks can reach, into ``count`` [K]."""
+    for k in range(part[0], part[1]):
+        begin, end = _lines(polylines[k], shape[0])
         total = 0
         for y in range(begin, end):
-            x0, x1 = _columns(polylines[k], y, size[2])
+            x0, x1 = _columns(polylines[k], y, shape[1])
             total += max(0, x1 - x0)
         count[k] = total
-    return count
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
-def _fill(polylines: Array, bounds: Array, size: Array, most: Array, xs: Array, ys: Array, ts: Array) -> Array:
-    """Write each chunk's pixels within reach from ``most[k]`` on; how many there are."""
-    found = np.zeros(len(polylines), np.int64)
-    for k in prange(len(polylines)):
-        line = polylines[k]
-        begin, end = _lines(line, size[1])
-        farthest = (line[0, 2] + SAG) ** 2
-        at = most[k]
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fill(
+    polylines: Array, bounds: Array, shape: tuple[int, int], part: tuple[int, int], out: tuple[Array, ...], count: Array
+) -> None:
+    """Write the pixels within reach of some chunks, of each from its ``most`` on, and how many there are."""
+    most, xs, ys, ts = out
+    for k in range(part[0], part[1]):
+        line, at = polylines[k], most[k]
+        begin, end = _lines(line, shape[0])
         for y in range(begin, end):
-            x0, x1 = _columns(line, y, size[2])
+            x0, x1 = _columns(line, y, shape[1])
             for x in range(x0, x1):
-                nearest, along = _nearest(line, x + 0.5, y + 0.5)
-                if nearest <= farthest:
-                    xs[at], ys[at] = x, y
-                    ts[at] = bounds[k, 0] + (bounds[k, 1] - bounds[k, 0]) * along
-                    at += 1
-        found[k] = at - most[k]
-    return found
+                xs[at], ys[at] = x, y
+                at += 1
+        i, j = most[k], at
+        squared = np.empty(j - i, line.dtype)
+        _nearest(line, xs[i:j], ys[i:j], ts[i:j], squared)
+        first, step = bounds[k, 0], bounds[k, 1] - bounds[k, 0]
+        farthest, at = line[0, 2] ** 2, i
+        for n in range(j - i):
+            xs[at], ys[at], ts[at] = xs[i + n], ys[i + n], first + step * ts[i + n]
+            at += squared[n] <= farthest
+        count[k] = at - i
 
 
-@njit(cache=True, inline="always", error_model="numpy")
-def _nearest(line: Array, x: float, y: float) -> tuple[float, float]:
-    """Squared distance to a polyline, px², and how far along it the nearest point lies, in [0, 1]."""
-    best, along = np.inf, 0.0
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def _nearest(line: Array, columns: Array, rows: Array, along: Array, squared: Array) -> None:
+    """Squared distance of pixels to a polyline, px², and how far along it the nearest points lie, in [0, 1]."""
+    real = line.dtype.type
+    zero, half, one, pieces = real(0), real(0.5), real(1), real(PIECES)
+    squared[:] = real(1e30)
     for j in range(PIECES):
-        ex, ey = line[j + 1, 0] - line[j, 0], line[j + 1, 1] - line[j, 1]
-        rx, ry = x - line[j, 0], y - line[j, 1]
-        part = min(1.0, max(0.0, (rx * ex + ry * ey) / max(ex * ex + ey * ey, 1e-12)))
-        rx, ry = rx - part * ex, ry - part * ey
-        distance = rx * rx + ry * ry
-        if distance < best:
-            best, along = distance, (j + part) / PIECES
-    return best, along
+        x0, y0 = line[j, 0] - half, line[j, 1] - half
+        ex, ey, offset = line[j + 1, 0] - line[j, 0], line[j + 1, 1] - line[j, 1], real(j)
+        scale = one / max(ex * ex + ey * ey, real(1e-12))
+        for i in range(len(columns)):
+            rx, ry = real(columns[i]) - x0, real(rows[i]) - y0
+            part = min(one, max(zero, (rx * ex + ry * ey) * scale))
+            dx, dy = rx - part * ex, ry - part * ey
+            distance = dx * dx + dy * dy
+            along[i] = (offset + part) / pieces if distance < squared[i] else along[i]
+            squared[i] = min(squared[i], distance)
 
 
-@njit(cache=True, parallel=True)
-def _compact(most: Array, starts: Array, x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
-    """Close the gaps between the chunks' pairs."""
-    n = starts[-1]
-    out_x, out_y, out_t = np.empty(n, x.dtype), np.empty(n, y.dtype), np.empty(n, t.dtype)
-    for k in prange(len(starts) - 1):
+@njit(cache=True, nogil=True)
+def _compact(most: Array, starts: Array, x: Array, y: Array, t: Array) -> None:
+    """Close the gaps between the chunks' pairs, in place."""
+    for k in range(len(starts) - 1):
         for i in range(starts[k + 1] - starts[k]):
-            out_x[starts[k] + i] = x[most[k] + i]
-            out_y[starts[k] + i] = y[most[k] + i]
-            out_t[starts[k] + i] = t[most[k] + i]
-    return out_x, out_y, out_t
+            x[starts[k] + i] = x[most[k] + i]
+            y[starts[k] + i] = y[most[k] + i]
+            t[starts[k] + i] = t[most[k] + i]
 
 
-@njit(cache=True, parallel=True)
-def _count_active(drawing_chunks: Array, chunk_pairs: Array, x: Array, y: Array, size: Array) -> Array:
-    """Number of pixels of each drawing that have a pair."""
-    count = np.zeros(size[0], np.int64)
-    for d in prange(size[0]):
-        touched = np.zeros(size[1] * size[2], np.bool_)
-        for i in range(chunk_pairs[drawing_chunks[d]], chunk_pairs[drawing_chunks[d + 1]]):
-            touched[np.int64(y[i]) * size[2] + x[i]] = True
-        count[d] = touched.sum()
-    return count
-
-
-@njit(cache=True, parallel=True)
+@njit(cache=True, nogil=True)
 def _index(
-    drawing_chunks: Array, chunk_pairs: Array, row: Array, x: Array, y: Array, drawing_pixels: Array, size: Array
-) -> tuple[Array, Array, Array, Array]:
-    """Sort pairs by pixel, keeping the chunks' order: a counting sort for each drawing."""
-    pixels = size[1] * size[2]
-    active = np.empty(drawing_pixels[-1], np.int64)
-    start = np.empty(drawing_pixels[-1] + 1, np.int64)
-    order = np.empty(len(x), np.int32)
-    order_row = np.empty(len(x), np.int32)
-    start[-1] = len(x)
-    for d in prange(size[0]):
-        next_free = np.zeros(pixels, np.int32)
+    lists: tuple[Array, ...], shape: tuple[int, int], part: tuple[int, int], out: tuple[Array, ...], found: Array
+) -> None:
+    """Sort the pairs of some drawings by pixel, keeping the chunks' order; how many pixels each drawing has.
+
+    The active pixels of a drawing are written from its first pair's place on.
+    """
+    drawing_chunks, chunk_pairs, row, x, y = lists
+    active, start, order, order_row = out
+    height, width = shape
+    next_free = np.zeros(height * width, np.int32)
+    for d in range(part[0], part[1]):
         k0, k1 = drawing_chunks[d], drawing_chunks[d + 1]
-        for i in range(chunk_pairs[k0], chunk_pairs[k1]):
-            next_free[np.int64(y[i]) * size[2] + x[i]] += 1
-        at, a = chunk_pairs[k0], drawing_pixels[d]
-        for pixel in range(pixels):
-            count = next_free[pixel]
-            if count > 0:
-                active[a], start[a] = d * pixels + pixel, at
-                next_free[pixel] = at
-                at += count
+        i0, i1 = chunk_pairs[k0], chunk_pairs[k1]
+        top, bottom = height, 0
+        for i in range(i0, i1):
+            top, bottom = min(top, y[i]), max(bottom, y[i] + 1)
+            next_free[y[i] * width + x[i]] += 1
+        at, a = i0, i0
+        for pixel in range(top * width, bottom * width):
+            if next_free[pixel] > 0:
+                active[a], start[a] = np.int64(d) * (height * width) + pixel, at
+                at, next_free[pixel] = at + next_free[pixel], at
                 a += 1
         for k in range(k0, k1):
             for i in range(chunk_pairs[k], chunk_pairs[k + 1]):
-                pixel = np.int64(y[i]) * size[2] + x[i]
+                pixel = y[i] * width + x[i]
                 slot = next_free[pixel]
                 order[slot], order_row[slot] = i, row[k]
                 next_free[pixel] = slot + 1
-    return active, start, order, order_row
+        found[d] = a - i0
+        next_free[top * width : bottom * width] = 0

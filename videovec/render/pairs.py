@@ -25,6 +25,10 @@ MARGIN = 1.0
 """How far points may move, or half-widths grow, before a list is stale. px"""
 ARC_SAMPLES = 8
 """Pieces of the polyline that measures a segment."""
+PIECES = 6
+"""Straight pieces that stand for a chunk while its pixels are sought."""
+SAG = 0.3
+"""How far a chunk may lie from those pieces. px"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

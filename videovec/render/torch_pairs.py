@@ -5,15 +5,10 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from videovec.render.pairs import Chunks, PairList
+from videovec.render.pairs import PIECES, SAG, Chunks, PairList
 from videovec.render.scene import Scene
 
 __all__ = ["find_pairs"]
-
-PIECES = 6
-"""Straight pieces that stand for a chunk while its pixels are sought."""
-SAG = 0.3
-"""How far a chunk may lie from those pieces. px"""
 
 
 def find_pairs(scene: Scene, chunks: Chunks, reach: float) -> PairList:
