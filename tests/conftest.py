@@ -1,12 +1,18 @@
-"""A test that is skipped proves nothing: only tests that need a CUDA device may be."""
+"""Settings of the whole test run: workers do not fight for cores, and a test that is skipped proves nothing."""
 
 from __future__ import annotations
 
+import os
+
 import pytest
+
+if "PYTEST_XDIST_WORKER" in os.environ:  # each worker has a core of its own; read before numba and torch are imported
+    for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Name the skipped tests that should have run, and fail for them."""
+    """Name the skipped tests that should have run, and fail for them; only those that need a CUDA device need not."""
     skipped = [
         report for report in terminalreporter.stats.get("skipped", []) if "cuda" not in getattr(report, "keywords", {})
     ]

@@ -51,7 +51,7 @@ class LineProgress:
     def close(self) -> None:
         """End the present stage."""
         if self._name:
-            count = f" {self._done}/{self._total}" if self._total else ""
+            count = f" {self._done}/{self._total}" if self._total else f" {self._done}" if self._done else ""
             self._say(f"{self._name}{count} in {time.monotonic() - self._began:.1f} s")
         self._name = ""
 

@@ -64,7 +64,7 @@ Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Show no progress.")]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would be done, and do nothing.")]
 MaxError = Annotated[
     float | None,
-    typer.Option(min=0.0, max=1.0, help="Exit with 3 if the coverage error of a frame is above this, in [0, 1]."),
+    typer.Option(min=0.0, help="Exit with 3 if a frame's error is above this; 0 is perfect, 1 an empty page."),
 ]
 SvgStyle = Annotated[str | None, typer.Option(help="auto, stroke, outline or powerstroke.")]
 RunPath = Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a finished run.")]

@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from videovec.clip import Clip
@@ -27,7 +27,7 @@ class RunRecord:
 
     Args:
         status: running, fitted (strokes are saved), done, interrupted or failed.
-        source: The clip, as it was given.
+        source: Where the clip is.
         frames: The part of it that was asked for: start, stop and step of a slice.
         clip: Frames, drawings, height, width, seconds.
         clip_hash: Names the decoded clip.
@@ -36,6 +36,7 @@ class RunRecord:
         versions: Versions of videovec and of the libraries.
         seconds: How long each stage took.
         metrics: What was measured of the result.
+        frame_errors: Error of each frame: 0 is perfect, 1 a page left empty.
         outputs: Files that were written, relative to the folder.
     """
 
@@ -49,6 +50,7 @@ class RunRecord:
     versions: Mapping[str, str]
     seconds: Mapping[str, float] = field(default_factory=dict)
     metrics: Mapping[str, float] = field(default_factory=dict)
+    frame_errors: tuple[float, ...] = ()
     outputs: tuple[str, ...] = ()
 
     def is_fitted_as(self, other: RunRecord) -> bool:
@@ -116,7 +118,8 @@ class RunFolder:
             content = json.loads((self.path / RECORD).read_text(encoding="utf-8"))
             if content.pop("format") != FORMAT:
                 return None
-            return replace(RunRecord(**content), frames=tuple(content["frames"]), outputs=tuple(content["outputs"]))
+            lists = {name: tuple(content[name]) for name in ("frames", "frame_errors", "outputs")}
+            return RunRecord(**{**content, **lists})
         except (OSError, ValueError, TypeError, KeyError, AttributeError):
             return None
 

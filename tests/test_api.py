@@ -1,0 +1,79 @@
+"""What ``import videovec`` gives, and that it gives it quickly."""
+
+from __future__ import annotations
+
+import ast
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import videovec
+
+PUBLIC = [
+    "Clip",
+    "Config",
+    "ConfigError",
+    "Event",
+    "EventKind",
+    "FitError",
+    "Ink",
+    "InputError",
+    "OutputError",
+    "StrokeTracks",
+    "Strokes",
+    "Timeline",
+    "UserError",
+    "VideovecError",
+    "configure",
+    "decode",
+    "export",
+    "extract_ink",
+    "fit",
+    "initialise",
+    "render_image",
+    "run",
+    "track",
+]
+
+
+def _in_fresh_python(code: str) -> str:
+    return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+
+
+def test_the_public_names_are_these_and_no_others() -> None:
+    assert videovec.__all__ == PUBLIC
+    assert dir(videovec) == sorted([*PUBLIC, "__version__"])
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_every_public_name_is_documented_and_knows_its_home(name: str) -> None:
+    thing = getattr(videovec, name)
+    assert thing.__doc__
+    assert thing.__module__.startswith("videovec.")
+    assert name in sys.modules[thing.__module__].__all__
+
+
+def test_type_checkers_see_the_same_names() -> None:
+    tree = ast.parse(Path(videovec.__file__ or "").read_text(encoding="utf-8"))
+    guarded = [node for node in tree.body if isinstance(node, ast.If)]
+    seen = [alias.name for node in ast.walk(guarded[0]) if isinstance(node, ast.ImportFrom) for alias in node.names]
+    assert sorted(seen) == sorted(PUBLIC)
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'vectorise'"):
+        videovec.vectorise  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_importing_videovec_or_its_command_line_loads_nothing_heavy() -> None:
+    code = "import videovec, videovec.cli, sys, json; print(json.dumps(sorted(sys.modules)))"
+    loaded = set(json.loads(_in_fresh_python(code)))
+    assert not loaded & {"torch", "numba", "numpy", "cv2", "av", "scipy", "kornia", "imageio"}
+
+
+def test_importing_videovec_takes_less_than_a_fifth_of_a_second() -> None:
+    code = "import time; start = time.process_time(); import videovec; print(time.process_time() - start)"
+    assert min(float(_in_fresh_python(code)) for _ in range(3)) < 0.2

@@ -1,0 +1,276 @@
+"""What the command line answers, on stdout, on stderr and as exit status."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import imageio.v3 as iio
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+from videovec.cli import app
+from videovec.clip import Clip
+from videovec.errors import ConfigError, FitError
+from videovec.options import parse_frames
+from videovec.progress import Progress
+from videovec.settings import Config
+from videovec.strokes import Strokes
+from videovec.tracks import StrokeTracks
+
+Command = Callable[..., Result]
+
+
+def tracks_of(clip: Clip) -> StrokeTracks:
+    """One straight stroke through all drawings."""
+    line = np.linspace([4.0, 4.0], [28.0, 20.0], 4)
+    count = len(clip.drawings)
+    single = [Strokes.from_curves([line], [np.ones(2)], drawing=drawing) for drawing in range(count)]
+    layout = type(single[0].layout)(np.array([1]), np.array([0]), np.array([count - 1]))
+    strokes = Strokes(
+        ids=np.array([1]),
+        layout=layout,
+        is_closed=np.array([False]),
+        layer=np.array([0]),
+        color=np.zeros((1, 3)),
+        points=np.concatenate([part.points for part in single]),
+        half_width=np.ones(2 * count),
+        opacity=np.ones(count),
+        visible=np.tile([0.0, 1.0], (count, 1)),
+    )
+    page = np.ones(3)
+    return StrokeTracks(clip.name, clip.size, page, clip.timeline, strokes, (), np.zeros(count), np.ones(count))
+
+
+@pytest.fixture
+def gif(tmp_path: Path) -> Path:
+    """Three drawings of a line."""
+    frames = np.full((3, 24, 32, 3), 255, np.uint8)
+    for number, frame in enumerate(frames):
+        frame[10 + 2 * number, 4:28] = 0
+    path = tmp_path / "clip.gif"
+    iio.imwrite(path, frames, duration=100, loop=0)
+    return path
+
+
+@pytest.fixture
+def videovec(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Command:
+    """The command, with pipelines that are quick, wrong, impossible, or interrupted."""
+
+    def good(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
+        progress.stage("fit", 2)
+        progress.advance(2)
+        return tracks_of(clip)
+
+    def wrong(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
+        raise FitError("strokes.points must be (4, 2), got (3, 2)")
+
+    def crash(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
+        raise IndexError("17 is out of bounds")
+
+    def interrupted(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
+        raise KeyboardInterrupt
+
+    for function in (good, wrong, crash, interrupted):
+        module = ModuleType(f"videovec.pipelines.{function.__name__}")
+        module.run = function  # type: ignore[attr-defined]
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str | Path) -> Result:
+        return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+    return call
+
+
+def test_run_writes_a_folder_beside_the_clip_and_says_where(videovec: Command, gif: Path) -> None:
+    result = videovec("run", gif, "-s", "pipeline=good")
+    assert result.exit_code == 0, result.output
+    assert str(gif.parent / "clip_videovec") in result.stdout
+    record = json.loads((gif.parent / "clip_videovec" / "run.json").read_text())
+    assert record["status"] == "done"
+    assert set(record["seconds"]) >= {"decode", "fit"}
+    assert record["clip"]["frames"] == 3
+    for name in record["outputs"]:
+        assert (gif.parent / "clip_videovec" / name).stat().st_size > 0
+
+
+def test_progress_goes_to_stderr_in_plain_lines_and_the_result_to_stdout(videovec: Command, gif: Path) -> None:
+    result = videovec("run", gif, "-s", "pipeline=good", "--json")
+    assert json.loads(result.stdout)["frames"] == 3
+    assert "fit 2/2 in" in result.stderr
+    assert "\x1b" not in result.stderr
+    assert videovec("run", gif, "-s", "pipeline=good", "--json", "--quiet").stderr == ""
+
+
+def test_a_second_run_uses_the_strokes_of_the_first_until_something_changes(videovec: Command, gif: Path) -> None:
+    first = ("run", gif, "-s", "pipeline=good")
+    assert "used again" not in videovec(*first).stderr
+    assert "used again" in videovec(*first).stderr
+    assert "used again" in videovec(*first, "--svg-style", "stroke").stderr
+    assert "used again" not in videovec(*first, "--fresh").stderr
+    assert "used again" not in videovec(*first, "--seed", "4").stderr
+    assert "used again" not in videovec(*first, "--seed", "4", "--frames", "1:2").stderr
+
+
+def test_a_dry_run_writes_nothing(videovec: Command, gif: Path) -> None:
+    result = videovec("run", gif, "-s", "pipeline=good", "--dry-run", "--json")
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["drawings"] == 3
+    assert [path.name for path in gif.parent.iterdir()] == ["clip.gif"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["missing.mp4"], "missing.mp4"),
+        (["{gif}", "-s", "fit.stpes=1"], "unknown setting fit.stpes; did you mean 'steps'?"),
+        (["{gif}", "-s", "pipeline=goood"], "unknown pipeline goood"),
+        (["{gif}", "--preset", "soild"], "unknown preset soild; did you mean 'solid'?"),
+        (["{gif}", "--svg-style", "outlines"], "export.svg_style must be one of"),
+        (["{gif}", "--frames", "0:3"], "--frames must be A:B"),
+        (["{gif}", "--frames", "9:"], "frames"),
+        (["{gif}", "-s", "pipeline=good", "-o", "{gif}"], "is a file"),
+        (["{empty}"], "empty"),
+        (["{text}"], "text.mp4"),
+    ],
+)
+def test_the_users_mistakes_are_told_in_one_line_and_exit_2(
+    videovec: Command, gif: Path, arguments: list[str], message: str
+) -> None:
+    empty, text = gif.with_name("empty.mp4"), gif.with_name("text.mp4")
+    empty.touch()
+    text.write_text("not a video\n" * 9)
+    result = videovec("run", *(part.format(gif=gif, empty=empty, text=text) for part in arguments))
+    lines = result.stderr.splitlines()
+    assert result.exit_code == 2
+    assert lines[-1].startswith("videovec: ")
+    assert message in lines[-1]
+    assert "Traceback" not in result.stderr
+    assert result.stdout == ""
+    assert not (gif.parent / "clip_videovec").exists()
+
+
+@pytest.mark.parametrize(("pipeline", "what"), [("wrong", "must be (4, 2)"), ("crash", "IndexError: 17")])
+def test_our_own_faults_exit_1_without_a_traceback(videovec: Command, gif: Path, pipeline: str, what: str) -> None:
+    result = videovec("run", gif, "-s", f"pipeline={pipeline}")
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1].startswith("videovec: a fault of videovec: ")
+    assert what in result.stderr
+    assert json.loads((gif.parent / "clip_videovec" / "run.json").read_text())["status"] == "failed"
+
+
+def test_debug_shows_where_an_error_comes_from(videovec: Command, gif: Path) -> None:
+    result = videovec("--debug", "run", gif, "-s", "pipeline=crash")
+    assert isinstance(result.exception, IndexError)
+
+
+def test_frames_above_max_error_exit_3_and_are_named(videovec: Command, gif: Path) -> None:
+    result = videovec("run", gif, "-s", "pipeline=good", "--max-error", "0.05")
+    assert result.exit_code == 3
+    assert "3 frames lie above --max-error 0.05: 1, 2, 3" in result.stderr
+    assert videovec("run", gif, "-s", "pipeline=good", "--max-error", "5").exit_code == 0
+
+
+def test_an_interruption_exits_130_and_says_so(videovec: Command, gif: Path) -> None:
+    result = videovec("run", gif, "-s", "pipeline=interrupted")
+    assert result.exit_code == 130
+    assert "interrupted" in result.stderr
+    assert json.loads((gif.parent / "clip_videovec" / "run.json").read_text())["status"] == "interrupted"
+
+
+def test_a_signal_from_the_keyboard_ends_a_real_process_with_130(gif: Path) -> None:
+    code = (
+        "import sys, time, types\n"
+        "module = types.ModuleType('videovec.pipelines.slow')\n"
+        "module.run = lambda clip, config, progress: (progress.note('started'), time.sleep(60))\n"
+        "sys.modules['videovec.pipelines.slow'] = module\n"
+        "from videovec.cli import main\n"
+        "main()\n"
+    )
+    command = [sys.executable, "-c", code, "run", str(gif), "-s", "pipeline=slow"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        told = ""
+        while "started" not in told:
+            told += process.stderr.readline()
+        time.sleep(0.2)
+        os.kill(process.pid, signal.SIGINT)
+        assert process.wait(20) == 130
+        assert "Traceback" not in process.stderr.read()
+
+
+def test_files_of_others_are_not_written_over_without_force(videovec: Command, gif: Path) -> None:
+    folder = gif.parent / "mine"
+    folder.mkdir()
+    (folder / "letter.txt").write_text("dear")
+    result = videovec("run", gif, "-s", "pipeline=good", "-o", folder)
+    assert result.exit_code == 2
+    assert "not from videovec" in result.stderr
+    assert videovec("run", gif, "-s", "pipeline=good", "-o", folder, "--force").exit_code == 0
+    assert (folder / "letter.txt").read_text() == "dear"
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [
+        (None, [1, 2, 3, 4, 5]),
+        ("2:4", [2, 3, 4]),
+        (":2", [1, 2]),
+        ("4:", [4, 5]),
+        ("3", [3]),
+        ("-2:", [4, 5]),
+        (":-2", [1, 2, 3, 4]),
+        ("-1", [5]),
+        (":", [1, 2, 3, 4, 5]),
+    ],
+)
+def test_frames_are_counted_from_1_and_both_ends_are_included(text: str | None, numbers: list[int]) -> None:
+    assert [1, 2, 3, 4, 5][parse_frames(text) or slice(None)] == numbers
+
+
+@pytest.mark.parametrize("text", ["", "0:2", "a:b", "1:2:3", "1-3", "1.5:2"])
+def test_other_texts_are_no_frames(text: str) -> None:
+    with pytest.raises(ConfigError, match="--frames must be A:B"):
+        parse_frames(text)
+
+
+@pytest.mark.parametrize("command", [["--help"], ["-h"], ["run", "--help"], ["doctor", "--help"], ["--version"]])
+def test_help_and_version_exit_0(videovec: Command, command: list[str]) -> None:
+    result = videovec(*command)
+    assert result.exit_code == 0
+    assert "videovec" in result.stdout
+
+
+@pytest.mark.parametrize("command", [["vectorise"], ["run"], ["run", "a", "b"], ["run", "a", "--nonsense"]])
+def test_wrong_usage_exits_2(videovec: Command, command: list[str]) -> None:
+    assert videovec(*command).exit_code == 2
+
+
+def test_doctor_finds_this_machine_able(videovec: Command) -> None:
+    result = videovec("doctor", "--json")
+    assert result.exit_code == 0, result.output
+    findings = {finding["name"]: finding for finding in json.loads(result.stdout)}
+    assert "torch" in findings["libraries"]["state"]
+    assert not any(finding["is_fatal"] for finding in findings.values())
+
+
+def test_settings_lists_every_setting_with_the_values_of_a_preset(videovec: Command) -> None:
+    listed = json.loads(videovec("settings", "--preset", "preview", "-s", "seed=3", "--json").stdout)
+    assert listed["fit.steps"] == 70
+    assert listed["seed"] == 3
+    assert "How far a fitted cubic may lie" in videovec("settings").stdout
+
+
+def test_help_is_fast() -> None:
+    code = "import time; a = time.process_time(); import videovec.cli; print(time.process_time() - a)"
+    runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True) for _ in range(3)]
+    assert min(float(run.stdout) for run in runs) < 0.4
