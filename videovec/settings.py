@@ -69,6 +69,12 @@ class PropagateSettings:
     """Distance between the points of a stroke that are matched to the ink. px, when the long edge is working_size"""
     working_size: Annotated[int, Between(64)] = 640
     """Long edge to which larger drawings are shrunk while strokes are matched. px"""
+    refine_steps: Annotated[int, Between(0)] = 45
+    """Optimiser updates on every drawing after strokes were matched."""
+    refine_rigidity: Annotated[float, Between(0)] = 0.5
+    """How much strokes keep their shape meanwhile, against the sum of squared coverage errors."""
+    patience: Annotated[int, Between(1)] = 12
+    """For how many drawings new ink may grow before it becomes a stroke."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,11 +11,11 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from videovec.propagate.judge import Verdict, judge
-from videovec.propagate.register import COARSE, FINE, RIGID, SIMILAR, Source, register
+from videovec.propagate.register import COARSE, FINE, RIGID, Source, register
 from videovec.propagate.search import find_motions, scene_of
 from videovec.propagate.target import Target, sample
 
-__all__ = ["match"]
+__all__ = ["place"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -39,8 +39,8 @@ _GAIN = 0.97
 _ROUNDS = 8
 
 
-def match(source: Source, target: Target, before: Target, velocity: Floats) -> tuple[Floats, Verdict]:
-    """Register strokes to the next drawing, whatever the motion.
+def place(source: Source, target: Target, before: Target, velocity: Floats) -> tuple[Source, Floats]:
+    """Find where strokes went, whatever the motion: rigidly, to about a pixel.
 
     Args:
         source: The strokes at rest on the previous drawing.
@@ -49,17 +49,16 @@ def match(source: Source, target: Target, before: Target, velocity: Floats) -> t
         velocity: How each node moved in the last step. [N, 2] working px
 
     Returns:
-        Positions [N, 2] in working px, and how good they are.
+        The source, with weaker ties between parts that moved apart, and positions [N, 2] in working px.
     """
     positions = register(source, target, source.rest, (RIGID,))
     verdict = judge(source, target, positions)
-    loose = source
-    if not verdict.is_accepted(_ACCEPT) and len(target):
-        positions, verdict = _best_start(source, target, before, velocity, (positions, verdict))
-        if not verdict.is_accepted(_ACCEPT):
-            loose, positions = _search_parts(source, target, positions, verdict)
-    positions = register(loose, target, positions, (SIMILAR,))
-    return positions, judge(loose, target, positions)
+    if verdict.is_accepted(_ACCEPT) or not len(target):
+        return source, positions
+    positions, verdict = _best_start(source, target, before, velocity, (positions, verdict))
+    if verdict.is_accepted(_ACCEPT):
+        return source, positions
+    return _search_parts(source, target, positions, verdict)
 
 
 def _best_start(
@@ -87,9 +86,10 @@ def _flow(before: Target, target: Target, positions: Floats) -> Floats:
     """Dense optical flow between pictures that glow around the ink. [N, 2] px"""
     if min(before.ink.shape) < 16:
         return np.zeros_like(positions)
-    pictures = [(255 * np.exp(-t.distance / _FLOW_FALL)).astype(np.uint8) for t in (before, target)]
-    solver = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
-    return sample(np.asarray(solver.calc(*pictures, None), np.float32), positions)
+    first, second = ((255 * np.exp(-t.distance / _FLOW_FALL)).astype(np.uint8) for t in (before, target))
+    flow = np.zeros((*before.ink.shape, 2), np.float32)
+    solver = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+    return sample(np.asarray(solver.calc(first, second, flow), np.float32), positions)
 
 
 def _search_parts(source: Source, target: Target, positions: Floats, verdict: Verdict) -> tuple[Source, Floats]:

@@ -107,4 +107,5 @@ def _bending(source: Source, positions: Floats) -> Floats:
     rest, now = source.rest[index] - source.rest[own], positions[index] - positions[own]
     re, im = turn[own, 0], turn[own, 1]
     turned = np.stack([re * rest[:, 0] - im * rest[:, 1], im * rest[:, 0] + re * rest[:, 1]], axis=1)
-    return np.bincount(own, weight * ((now - turned) ** 2).sum(axis=1), minlength=len(positions))
+    energy = weight * ((now - turned) ** 2).sum(axis=1)
+    return np.asarray(np.bincount(own, energy, minlength=len(positions)), np.float64)

@@ -78,7 +78,7 @@ def open_lives(strokes: Strokes) -> list[Life]:
 
 
 def bind(lives: list[Life]) -> tuple[Strokes, Floats]:
-    """All lives as strokes, in order of identity, and the confidence of every row.
+    """All lives as strokes, in their order, and the confidence of every row.
 
     Args:
         lives: Lives without gaps between their drawings; those without rows are left out.
@@ -86,7 +86,7 @@ def bind(lives: list[Life]) -> tuple[Strokes, Floats]:
     Returns:
         The strokes and [R].
     """
-    lives = sorted((life for life in lives if life.rows), key=lambda life: life.id)
+    lives = [life for life in lives if life.rows]
     if not lives:
         return Strokes.empty(), np.zeros(0)
     rows = [life.rows[d] for life in lives for d in range(life.first, life.last + 1)]

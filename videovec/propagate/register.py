@@ -16,7 +16,7 @@ from videovec.propagate.kernels import assemble, nearest, relax, rotations
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.target import Target
 
-__all__ = ["COARSE", "FINE", "RIGID", "SIMILAR", "Phase", "Source", "doubled", "register", "source_of"]
+__all__ = ["COARSE", "FINE", "RIGID", "SETTLE", "SIMILAR", "Phase", "Source", "doubled", "register", "source_of"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -69,6 +69,8 @@ COARSE = Phase(15, (40.0, 6.0), (20.0, 10.0), (30.0, 12.0), (20.0, 2.0), (20.0, 
 """From a guess at the motion."""
 FINE = Phase(10, (6.0, 2.5), (10.0, 6.0), (12.0, 8.0), (2.0, 0.6), (0.2, 0.02))
 """After `COARSE`."""
+SETTLE = Phase(10, (6.0, 2.5), (10.0, 6.0), (12.0, 8.0), (4.0, 1.0), (0.4, 0.1))
+"""When it is known which parts are seen: what is not seen goes back into shape."""
 SIMILAR = Phase(12, (6.0, 2.5), (6.0, 6.0), (8.0, 8.0), (2.0, 2.0), (0.3, 0.3), (0.7, 1.4))
 """Last: local scale may change, which keeps points from sliding along their strokes."""
 

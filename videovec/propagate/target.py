@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Target", "make_target"]
+__all__ = ["Target", "distance_to", "make_target", "sample"]
 
 Floats = NDArray[np.float64]
 Image = NDArray[np.float32]
@@ -94,7 +94,7 @@ def make_target(coverage: NDArray[np.uint8], long_edge: int) -> Target:
     threshold = ink_threshold(ink)
     mask = ink > threshold
     skeleton = _thin(mask)
-    to_skeleton, nearest = _distance(skeleton)
+    to_skeleton, nearest = distance_to(skeleton)
     row, column = np.nonzero(skeleton)
     points = np.stack([column + 0.5, row + 0.5], axis=1)
     depth = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 5)[1:-1, 1:-1]
@@ -129,7 +129,8 @@ def _thin(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(thin[2:-2, 2:-2] > 0)
 
 
-def _distance(skeleton: NDArray[np.bool_]) -> tuple[Image, NDArray[np.int32]]:
+def distance_to(skeleton: NDArray[np.bool_]) -> tuple[Image, NDArray[np.int32]]:
+    """Distance of each pixel from a skeleton, and the number of its nearest pixel in reading order."""
     if not skeleton.any():
         far = np.full(skeleton.shape, float(sum(skeleton.shape)), np.float32)
         return far, np.zeros(skeleton.shape, np.int32)

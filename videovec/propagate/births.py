@@ -1,0 +1,131 @@
+"""Ink that appears: when it becomes a stroke, since when that stroke was there, and whether it is an old one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.ink import Ink
+from videovec.propagate.record import Life, open_lives
+from videovec.propagate.relink import relink
+from videovec.propagate.residual import Patch, Residual, restricted, successor
+from videovec.propagate.step import Follower, carry, follow
+from videovec.settings import PropagateSettings
+from videovec.strokes import Strokes
+
+__all__ = ["Nursery", "Trace"]
+
+Trace = Callable[[Ink, int], Strokes]
+"""Traces strokes on the ink of one drawing."""
+
+_LEAST = 10.0
+"""Length, with the width of its ends, of the smallest patch that may become a stroke. working px"""
+_GROWTH = 1.08
+"""A patch that is longer by this factor than on the drawing before still grows."""
+_FLASH = 2.5
+"""A patch of one drawing alone must be this many times the least."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seed:
+    """A patch that may become a stroke, and the drawing on which it was seen first."""
+
+    patch: Patch
+    since: int
+
+
+class Nursery:
+    """Watches unexplained ink until it has stopped to grow."""
+
+    def __init__(self, ink: Ink, settings: PropagateSettings, trace: Trace, direction: int) -> None:
+        self._ink = ink
+        self._settings = settings
+        self._trace = trace
+        self._direction = direction
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget what was watched."""
+        self._seeds: list[_Seed] = []
+        self._residuals: dict[int, Residual] = {}
+
+    def observe(self, drawing: int, residual: Residual, followers: list[Follower], is_last: bool) -> list[Life]:
+        """Look at what is left of the next drawing.
+
+        Args:
+            drawing: Its number.
+            residual: Its unexplained ink.
+            followers: All lives that are followed; hidden ones may find their ink again.
+            is_last: Whether no drawing follows.
+
+        Returns:
+            New lives, with rows from when their ink appeared up to this drawing.
+        """
+        before = self._residuals.get(drawing - self._direction)
+        heirs = {id(seed): successor(seed.patch, before, residual) if before else [] for seed in self._seeds}
+        self._residuals[drawing] = residual
+        born, seeds = [], []
+        for patch in residual.patches:
+            if patch.length + 2 * patch.half_width < _LEAST:
+                continue
+            ancestors = [seed for seed in self._seeds if patch in heirs[id(seed)]]
+            since = min((seed.since for seed in ancestors), key=lambda d: d * self._direction, default=drawing)
+            length = sum(seed.patch.length for seed in ancestors)
+            has_grown = patch.length > _GROWTH * length + 2
+            age = (drawing - since) * self._direction
+            if is_last or (age > 0 and not has_grown) or age >= self._settings.patience:
+                born += self._deliver([patch], drawing, since, followers)
+            else:
+                seeds.append(_Seed(patch, since))
+        for seed in self._seeds:
+            if not heirs[id(seed)] and seed.patch.length + 2 * seed.patch.half_width >= _FLASH * _LEAST:
+                self._deliver([seed.patch], drawing - self._direction, seed.since, [])
+        self._seeds = seeds
+        self._forget(drawing)
+        return born
+
+    def _forget(self, drawing: int) -> None:
+        oldest = min((seed.since * self._direction for seed in self._seeds), default=drawing * self._direction)
+        self._residuals = {d: r for d, r in self._residuals.items() if d * self._direction >= oldest - 1}
+
+    def _deliver(self, patches: list[Patch], drawing: int, since: int, followers: list[Follower]) -> list[Life]:
+        """Trace patches and follow them back to their first drawing."""
+        own = self._ink_of(drawing, [patch.number for patch in patches])
+        lives = []
+        for life in open_lives(self._trace(own, 0)):
+            row = life.rows.pop(0)
+            lives.append(replace(life, rows={drawing: row}))
+        lives = relink(lives, drawing, followers)
+        scale = self._residuals[drawing].target.scale
+        back = [follow(life, drawing, self._settings.node_spacing / scale) for life in lives]
+        for earlier in range(drawing - self._direction, since - self._direction, -self._direction):
+            if not back or earlier not in self._residuals:
+                break
+            back = self._step_back(back, earlier)
+        return lives
+
+    def _step_back(self, back: list[Follower], earlier: int) -> list[Follower]:
+        """Take newborn lives one drawing back; those that are still seen."""
+        later = earlier + self._direction
+        targets = [restricted(self._residuals[d].target, self._residuals[d].point) for d in (later, earlier)]
+        coverage = self._ink_of(earlier, [patch.number for patch in self._residuals[earlier].patches]).coverage[0]
+        carry(back, coverage, (later, earlier), (targets[0], targets[1]), self._settings)
+        seen = []
+        for follower in back:
+            visible = follower.life.rows[earlier].visible
+            if visible[1] > visible[0]:
+                seen.append(follower)
+            else:
+                del follower.life.rows[earlier]
+        return seen
+
+    def _ink_of(self, drawing: int, numbers: list[int]) -> Ink:
+        """The ink of some patches alone."""
+        ink = self._ink.at_drawing(drawing)
+        mask: NDArray[np.bool_] = np.zeros(ink.size, bool)
+        if numbers:
+            mask = self._residuals[drawing].ink_mask(numbers, ink.size)
+        return replace(ink, coverage=np.where(mask, ink.coverage, 0).astype(np.uint8))

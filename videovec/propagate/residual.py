@@ -1,0 +1,125 @@
+"""Ink that no stroke explains, and for how long it has been there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.propagate.judge import between_nodes
+from videovec.propagate.kernels import nearest
+from videovec.propagate.nodes import Nodes
+from videovec.propagate.target import Target, distance_to
+
+__all__ = ["Patch", "Residual", "find_residual", "restricted", "successor"]
+
+Bools = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+
+_NEAR = 2.5
+"""Distance up to which a thin stroke explains ink. px"""
+_BRIDGE = 3
+"""Gap over which unexplained centre lines are one patch. px"""
+_DRIFT = 9
+"""Distance by which a patch may move between two drawings. px"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Patch:
+    """A connected piece of unexplained ink.
+
+    Args:
+        number: Its label in the residual.
+        length: Centre-line pixels.
+        half_width: Mean half-width. working px
+    """
+
+    number: int
+    length: int
+    half_width: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Residual:
+    """What is left of a drawing.
+
+    Args:
+        target: The drawing.
+        point: Which centre-line points are unexplained. bool [M]
+        label: Patch of each unexplained skeleton pixel, widened by the bridge; 0 is none. int32 [H, W]
+        patches: The patches.
+    """
+
+    target: Target
+    point: Bools
+    label: NDArray[np.int32]
+    patches: tuple[Patch, ...]
+
+    def ink_mask(self, numbers: list[int], size: tuple[int, int]) -> Bools:
+        """Pixels of a drawing of a size [H, W] that belong to some patches."""
+        widest = max(patch.half_width for patch in self.patches if patch.number in numbers)
+        skeleton = np.isin(self.label, numbers) & self.target.skeleton
+        reach = 2 * int(np.ceil(widest + 2.0)) + 1
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
+        mask = cv2.dilate(skeleton.astype(np.uint8), disc)
+        return np.asarray(cv2.resize(mask, size[::-1], interpolation=cv2.INTER_NEAREST) > 0)
+
+
+def find_residual(nodes: Nodes, positions: Floats, seen: Floats, half_width: Floats, target: Target) -> Residual:
+    """Find the centre lines that are far from every seen stroke.
+
+    Args:
+        nodes: N nodes.
+        positions: Where they are. [N, 2] working px
+        seen: 1 for nodes that are seen, else 0. [N]
+        half_width: Half-width of each stroke. [S] working px
+        target: The drawing.
+
+    Returns:
+        The residual.
+    """
+    point = np.ones(len(target), bool)
+    dense, owner = between_nodes(nodes, positions) if len(nodes) else (positions, np.zeros(0, np.intp))
+    shown = seen[owner] > 0
+    if shown.any() and len(target):
+        dense, owner = np.ascontiguousarray(dense[shown]), owner[shown]
+        found, squared = nearest(target.points, dense, np.zeros(len(target), np.int64))
+        reach = np.maximum(_NEAR, half_width[nodes.stroke[owner[found]]] + 1.0)
+        point = squared > reach**2
+    image = np.zeros(target.skeleton.shape, np.uint8)
+    rows, columns = np.nonzero(target.skeleton)
+    image[rows[point], columns[point]] = 1
+    wide = cv2.dilate(image, np.ones((_BRIDGE, _BRIDGE), np.uint8))
+    _, label = cv2.connectedComponents(wide, connectivity=8, ltype=cv2.CV_32S)
+    numbers = label[rows[point], columns[point]]
+    length = np.bincount(numbers)
+    width = np.bincount(numbers, target.half_width[point]) / np.maximum(length, 1)
+    patches = tuple(Patch(int(n), int(length[n]), float(width[n])) for n in np.unique(numbers))
+    return Residual(target, point, np.asarray(label, np.int32), patches)
+
+
+def successor(patch: Patch, residual: Residual, later: Residual) -> list[Patch]:
+    """The patches of a later drawing that a patch may have become."""
+    mask = (residual.label == patch.number).astype(np.uint8)
+    near = cv2.dilate(mask, np.ones((2 * _DRIFT + 1, 2 * _DRIFT + 1), np.uint8)) > 0
+    numbers = set(np.unique(later.label[near]).tolist())
+    return [candidate for candidate in later.patches if candidate.number in numbers]
+
+
+def restricted(target: Target, point: Bools) -> Target:
+    """A target with some of its centre-line points only."""
+    skeleton = np.zeros_like(target.skeleton)
+    rows, columns = np.nonzero(target.skeleton)
+    skeleton[rows[point], columns[point]] = True
+    distance, closest = distance_to(skeleton)
+    return replace(
+        target,
+        skeleton=skeleton,
+        points=target.points[point],
+        direction=target.direction[point],
+        half_width=target.half_width[point],
+        distance=distance,
+        nearest=closest,
+    )

@@ -1,0 +1,138 @@
+"""One walk over the drawings, forwards or backwards, with all lives that are open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.propagate.hypotheses import place
+from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
+from videovec.propagate.record import Life, Row, bind
+from videovec.propagate.refine import refine
+from videovec.propagate.register import SETTLE, SIMILAR, Source, register, source_of
+from videovec.propagate.support import Support, find_support
+from videovec.propagate.target import Target
+from videovec.settings import PropagateSettings
+from videovec.strokes import Strokes
+
+__all__ = ["Follower", "Placement", "carry", "follow"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(slots=True, eq=False)
+class Follower:
+    """A life that is being followed.
+
+    Args:
+        life: Its rows so far.
+        basis: Its nodes.
+        velocity: How each node moved in the last step. [n, 2] working px
+        unseen: For how many drawings nothing was seen of it.
+    """
+
+    life: Life
+    basis: Basis
+    velocity: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    unseen: int = 0
+
+    def half_width(self, drawing: int) -> float:
+        """Mean half-width on a drawing. px"""
+        return float(self.life.rows[drawing].half_width.mean())
+
+
+def follow(life: Life, drawing: int, spacing: float) -> Follower:
+    """Begin to follow a life from one of its drawings."""
+    basis = basis_of(life.rows[drawing].points, spacing, life.is_closed)
+    return Follower(life, basis, np.zeros((len(basis.u), 2)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placement:
+    """Strokes after a step: N nodes, where they are [N, 2], what is seen, and each stroke's half-width [S]."""
+
+    nodes: Nodes
+    positions: Floats
+    support: Support
+    half_width: Floats
+
+
+def carry(
+    followers: list[Follower],
+    coverage: NDArray[np.uint8],
+    step: tuple[int, int],
+    targets: tuple[Target, Target],
+    settings: PropagateSettings,
+) -> Placement:
+    """Take all lives from one drawing to the next and write their rows.
+
+    Args:
+        followers: The lives; each has a row on the drawing that it comes from.
+        coverage: Ink of the drawing that they go to. uint8 [H, W]
+        step: The drawing that the strokes come from, and the one that they go to.
+        targets: Both drawings, prepared.
+        settings: How.
+
+    Returns:
+        Where the strokes are now.
+    """
+    before, after = step
+    scale = targets[1].scale
+    nodes = gather([follower.basis for follower in followers])
+    rows = [follower.life.rows[before] for follower in followers]
+    points = np.concatenate([np.zeros((0, 2)), *(row.points for row in rows)])
+    source = source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows))
+    velocity = np.concatenate([np.zeros((0, 2)), *(follower.velocity for follower in followers)])
+    loose, positions = place(source, targets[1], targets[0], velocity)
+    half_width = scale * np.array([follower.half_width(before) for follower in followers])
+    support = find_support(nodes, positions, half_width, targets[1])
+    positions = _settle(loose, targets[1], positions, support)
+    support = find_support(nodes, positions, half_width, targets[1])
+    strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
+    strokes = replace(strokes, points=_refined(strokes, points, coverage, settings))
+    positions = scale * nodes.positions(strokes.points)
+    for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
+        own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
+        visible = (float(support.visible[s, 0]), float(support.visible[s, 1]))
+        follower.life.rows[after] = replace(
+            row, points=strokes.points_of(s), visible=visible, confidence=float(support.share[s])
+        )
+        follower.velocity = positions[own] - source.rest[own]
+        follower.unseen = 0 if visible[1] > visible[0] else follower.unseen + 1
+    return Placement(nodes, positions, support, half_width)
+
+
+def _seen(nodes: Nodes, rows: list[Row]) -> Floats:
+    """1 for nodes in the seen part of their stroke, else 0. [N]"""
+    visible = np.array([row.visible for row in rows]).reshape(-1, 2)[nodes.stroke]
+    return ((nodes.u >= visible[:, 0]) & (nodes.u <= visible[:, 1]) & (visible[:, 1] > visible[:, 0])).astype(float)
+
+
+def _placed(followers: list[Follower], rows: list[Row], points: Floats, support: Support) -> Strokes:
+    """The strokes where they are now, as strokes of drawing 0."""
+    ends = np.cumsum([0, *(len(row.points) for row in rows)])
+    lives = []
+    for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
+        visible = (float(support.visible[s, 0]), float(support.visible[s, 1]))
+        life = replace(follower.life, rows={0: replace(row, points=points[ends[s] : ends[s + 1]], visible=visible)})
+        lives.append(life)
+    return bind(lives)[0]
+
+
+def _settle(source: Source, target: Target, positions: Floats, support: Support) -> Floats:
+    """Let go of nodes without ink, then allow local scale."""
+    weight = support.follows(source.nodes)
+    phases = (SIMILAR,) if np.array_equal(weight, source.weight) and weight.all() else (SETTLE, SIMILAR)
+    return register(replace(source, weight=weight), target, positions, phases)
+
+
+def _refined(strokes: Strokes, rest: Floats, coverage: NDArray[np.uint8], settings: PropagateSettings) -> Floats:
+    """Control points after the photometric refinement of what is seen. [P, 2] px"""
+    seen = np.flatnonzero(strokes.visible[:, 1] > strokes.visible[:, 0])
+    before = replace(strokes, points=rest).select(seen).points
+    fitted = refine(strokes.select(seen), before, coverage, settings.refine_steps, settings.refine_rigidity)
+    moved = strokes.points.copy()
+    moved[np.isin(strokes.layout.point_row, seen)] = fitted.points
+    return moved

@@ -1,0 +1,142 @@
+"""Which part of every stroke the ink supports: what is seen of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.propagate.kernels import nearest
+from videovec.propagate.nodes import Nodes
+from videovec.propagate.register import doubled
+from videovec.propagate.target import Target
+
+__all__ = ["Support", "find_support"]
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+_NEAR = 2.5
+"""Distance up to which ink supports a node, if its line is thin. px"""
+_TURN = np.cos(2 * np.radians(40.0))
+"""Cosine of twice the angle by which the ink's direction may differ."""
+_DIRECTION = 6.0
+"""Weight of direction when ink chooses its stroke. px"""
+_REACH = 2
+"""Nodes on either side of the one that ink has chosen that it claims too."""
+_RUN = 3
+"""Nodes of the shortest run that is seen."""
+_SLACK = 2
+"""Nodes at an end that may go without support, since the ends of skeletons are unsure."""
+_HULL = 0.6
+"""Share of supported nodes above which gaps are bridged."""
+_SEEN = 0.15
+"""Share of a stroke that must be seen for it to be there."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Support:
+    """What the ink says of strokes that were placed on it.
+
+    Args:
+        node: Which nodes have ink of their own. bool [N]
+        first: First node that is seen of each stroke, counted within it. int [S]
+        last: Last node that is seen; before the first if nothing is. int [S]
+        visible: The same as arc fractions. [S, 2]
+        share: Share of nodes with ink of their own. [S]
+    """
+
+    node: Bools
+    first: NDArray[np.intp]
+    last: NDArray[np.intp]
+    visible: Floats
+    share: Floats
+
+    def seen(self) -> Bools:
+        """Strokes of which something is seen. bool [S]"""
+        return np.asarray(self.last >= self.first)
+
+    def follows(self, nodes: Nodes) -> Floats:
+        """1 for nodes in the seen part of their stroke, else 0. [N]"""
+        local = np.arange(len(nodes)) - nodes.starts[nodes.stroke]
+        inside = (local >= self.first[nodes.stroke]) & (local <= self.last[nodes.stroke])
+        return inside.astype(np.float64)
+
+
+def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Target) -> Support:
+    """Look for the ink of every stroke.
+
+    Ink counts for a stroke if it lies at a node, runs its way, and has no nearer stroke: a stroke that has vanished
+    finds its neighbours' ink, but cannot claim it.
+
+    Args:
+        nodes: N nodes.
+        positions: Where they are. [N, 2] working px
+        half_width: Half-width of each stroke. [S] working px
+        target: The drawing's ink.
+
+    Returns:
+        The support of each node and the seen part of each stroke.
+    """
+    reach = np.maximum(_NEAR, 0.8 * half_width)[nodes.stroke]
+    supported = np.zeros(len(nodes), bool)
+    if len(target) and len(nodes):
+        supported = _claimed(nodes, positions, reach, target) & _lies_on(nodes, positions, reach, target)
+    count = len(nodes.bases)
+    first, last = np.zeros(count, np.intp), np.full(count, -1, np.intp)
+    visible, share = np.zeros((count, 2)), np.zeros(count)
+    for s, basis in enumerate(nodes.bases):
+        part = supported[nodes.starts[s] : nodes.starts[s + 1]]
+        share[s] = part.mean()
+        first[s], last[s] = _interval(part, basis.is_closed)
+        if last[s] >= first[s]:
+            visible[s] = basis.u[first[s]], 1.0 if last[s] == len(part) - 1 else basis.u[last[s]]
+    return Support(supported, first, last, visible, share)
+
+
+def _lies_on(nodes: Nodes, positions: Floats, reach: Floats, target: Target) -> Bools:
+    """Nodes with ink of their direction at them. bool [N]"""
+    height, width = target.distance.shape
+    column = np.clip(positions[:, 0].astype(np.intp), 0, width - 1)
+    row = np.clip(positions[:, 1].astype(np.intp), 0, height - 1)
+    ink = target.nearest[row, column]
+    tangent = nodes.tangents(positions)
+    agrees = (doubled(tangent) * doubled(target.direction[ink])).sum(axis=1) > _TURN
+    # Within half a line's width of a blob's middle or of a junction, direction means little.
+    agrees |= ~tangent.any(axis=1)
+    return np.asarray(agrees & (target.distance_at(positions) <= reach))
+
+
+def _claimed(nodes: Nodes, positions: Floats, reach: Floats, target: Target) -> Bools:
+    """Nodes that are the nearest of some ink, or neighbours of such. bool [N]"""
+    tangent = nodes.tangents(positions)
+    features = np.concatenate([positions, _DIRECTION * doubled(tangent)], axis=1)
+    ink = np.concatenate([target.points, _DIRECTION * doubled(target.direction)], axis=1)
+    owner, squared = nearest(ink, features, np.zeros(len(ink), np.int64))
+    claimed = np.zeros(len(nodes), bool)
+    claimed[owner[squared <= (reach[owner] + 2.0) ** 2 + _DIRECTION**2]] = True
+    for _ in range(_REACH):
+        claimed = claimed | claimed[nodes.before] | claimed[nodes.after]
+    return claimed
+
+
+def _interval(supported: Bools, is_closed: bool) -> tuple[int, int]:
+    """First and last seen node of a stroke; a closed one is seen whole or not at all."""
+    count = len(supported)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], supported.astype(np.int8), [0]])))
+    begins, ends = edges[::2], edges[1::2]
+    shortest = min(_RUN, count)
+    long = ends - begins >= shortest
+    begins, ends = begins[long], ends[long]
+    if not len(begins) or supported.mean() < _SEEN:
+        return 0, -1
+    if is_closed:
+        return (0, count - 1) if supported.mean() >= 0.5 else (0, -1)
+    first, last = int(begins[0]), int(ends[-1]) - 1
+    if supported[first : last + 1].mean() < _HULL:
+        longest = int(np.argmax(ends - begins))
+        first, last = int(begins[longest]), int(ends[longest]) - 1
+    first = 0 if first <= _SLACK else first
+    last = count - 1 if last >= count - 1 - _SLACK else last
+    return first, last

@@ -1,0 +1,170 @@
+"""The whole clip: a walk forwards and one backwards from the drawing on which strokes are known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.errors import FitError
+from videovec.events import Event
+from videovec.ink import Ink
+from videovec.progress import Progress, Silent
+from videovec.propagate.births import Nursery, Trace
+from videovec.propagate.happenings import events_of
+from videovec.propagate.record import Life, bind, open_lives
+from videovec.propagate.residual import Residual, find_residual
+from videovec.propagate.step import Follower, Placement, carry, follow
+from videovec.propagate.target import Target, make_target
+from videovec.settings import PropagateSettings
+from videovec.strokes import Strokes
+
+__all__ = ["Propagated", "propagate"]
+
+_CUT_INK = 0.6
+"""Share of ink without strokes, and of strokes without ink, from which on a new shot has begun."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Propagated:
+    """Strokes over all drawings.
+
+    Args:
+        strokes: S strokes with their lives.
+        events: Births, deaths and other turns, by drawing.
+        confidence: How well each row's ink supports it, in [0, 1]. [R]
+    """
+
+    strokes: Strokes
+    events: tuple[Event, ...]
+    confidence: NDArray[np.float64]
+
+
+def propagate(
+    ink: Ink, strokes: Strokes, settings: PropagateSettings, trace: Trace, progress: Progress | None = None
+) -> Propagated:
+    """Carry strokes from the drawing on which they are known to all drawings.
+
+    Strokes whose ink vanishes end, or are hidden if it comes back within ``settings.memory`` drawings; ink that no
+    stroke explains is traced and followed both ways; a cut ends all lives, and the drawing after it is traced anew.
+
+    Args:
+        ink: D drawings.
+        strokes: Strokes that live on one drawing alone. Without any, the first drawing is traced.
+        settings: How.
+        trace: Traces strokes on the ink of one drawing.
+        progress: Told of every drawing.
+
+    Returns:
+        The strokes with their lives, what happened to them, and how sure that is.
+
+    Raises:
+        FitError: The strokes live on more than one drawing.
+    """
+    progress = progress or Silent()
+    progress.stage("propagate", ink.drawing_count - 1)
+    lives = open_lives(strokes if len(strokes) else trace(ink, 0))
+    seed = lives[0].first if lives else 0
+    if any(life.first != seed or life.last != seed for life in lives):
+        raise FitError("propagate needs strokes of one drawing, got some that live longer")
+    book = _Book(lives, [], max((life.id for life in lives), default=0) + 1)
+    for direction in (1, -1):
+        _Walk(ink, settings, trace, direction, book).run(seed, progress)
+    bound, confidence = bind(sorted(book.lives, key=lambda life: life.id))
+    return Propagated(bound, events_of(bound, confidence, book.cuts, ink.drawing_count), confidence)
+
+
+@dataclass(slots=True, eq=False)
+class _Book:
+    """What both walks write to: all lives, the first drawings of new shots, and the next free identity."""
+
+    lives: list[Life]
+    cuts: list[int]
+    next_id: int
+
+    def add(self, life: Life) -> Life:
+        """Enter a life under a new identity."""
+        named = replace(life, id=self.next_id)
+        self.next_id += 1
+        self.lives.append(named)
+        return named
+
+
+class _Walk:
+    """One direction."""
+
+    def __init__(self, ink: Ink, settings: PropagateSettings, trace: Trace, direction: int, book: _Book) -> None:
+        self._ink = ink
+        self._settings = settings
+        self._trace = trace
+        self._direction = direction
+        self._book = book
+        self._nursery = Nursery(ink, settings, trace, direction)
+        self._followers: list[Follower] = []
+
+    def run(self, seed: int, progress: Progress) -> None:
+        """Walk from the seed to the end of the clip."""
+        self._followers = [self._follow(life, seed) for life in self._book.lives if seed in life.rows]
+        end = self._ink.drawing_count if self._direction > 0 else -1
+        previous = self._target(seed)
+        for drawing in range(seed + self._direction, end, self._direction):
+            target = self._target(drawing)
+            step = drawing - self._direction, drawing
+            placed = carry(self._followers, self._ink.coverage[drawing], step, (previous, target), self._settings)
+            residual = self._left(placed, target)
+            if _is_cut(placed, residual):
+                self._cut(drawing)
+            else:
+                for life in self._nursery.observe(drawing, residual, self._followers, drawing + self._direction == end):
+                    self._followers.append(self._follow(self._book.add(life), drawing))
+                self._retire(drawing)
+            previous = target
+            progress.advance()
+        for follower in self._followers:
+            _trim(follower.life, self._direction)
+
+    def _target(self, drawing: int) -> Target:
+        return make_target(self._ink.coverage[drawing], self._settings.working_size)
+
+    def _follow(self, life: Life, drawing: int) -> Follower:
+        scale = min(1.0, self._settings.working_size / max(self._ink.size))
+        return follow(life, drawing, self._settings.node_spacing / scale)
+
+    def _left(self, placed: Placement, target: Target) -> Residual:
+        seen = placed.support.follows(placed.nodes)
+        return find_residual(placed.nodes, placed.positions, seen, placed.half_width, target)
+
+    def _retire(self, drawing: int) -> None:
+        """Close lives that were not seen for too long."""
+        for follower in self._followers:
+            if follower.unseen > self._settings.memory:
+                _trim(follower.life, self._direction)
+        self._followers = [f for f in self._followers if f.unseen <= self._settings.memory and drawing in f.life.rows]
+
+    def _cut(self, drawing: int) -> None:
+        """End all lives and begin again."""
+        for follower in self._followers:
+            follower.life.rows.pop(drawing, None)
+            _trim(follower.life, self._direction)
+        self._nursery.clear()
+        self._book.cuts.append(drawing if self._direction > 0 else drawing + 1)
+        fresh = [self._book.add(life) for life in open_lives(self._trace(self._ink, drawing))]
+        self._followers = [self._follow(life, drawing) for life in fresh]
+
+
+def _is_cut(placed: Placement, residual: Residual) -> bool:
+    """Whether hardly anything of the drawing before is left."""
+    count = len(placed.nodes)
+    if not count or not len(residual.point):
+        return False
+    return bool(residual.point.mean() > _CUT_INK and placed.support.node.mean() < 1 - _CUT_INK)
+
+
+def _trim(life: Life, direction: int) -> None:
+    """Drop the rows at the end of a walk on which nothing is seen."""
+    while len(life.rows) > 1:
+        end = life.last if direction > 0 else life.first
+        if life.rows[end].visible[1] > life.rows[end].visible[0]:
+            return
+        del life.rows[end]
