@@ -11,7 +11,6 @@ from videovec.settings import ExportSettings
 from videovec.tracks import StrokeTracks
 from videovec.write.lottie import dotlottie_bytes, lottie_text
 from videovec.write.svg import svg_frames
-from videovec.write.tables import json_text
 
 __all__ = ["WRITERS", "Writer", "get_writer"]
 
@@ -50,7 +49,7 @@ def _npz(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]
 
 
 def _json(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]:
-    yield OutputFile("tracks.json", json_text(tracks).encode())
+    yield OutputFile("tracks.json", tracks.to_json().encode())
 
 
 WRITERS: dict[str, Writer] = {"svg": _svg, "lottie": _lottie, "dotlottie": _dotlottie, "npz": _npz, "json": _json}

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from videovec import __version__
 from videovec.settings import ExportSettings
+from videovec.stroke_shape import hex_colour
 from videovec.tracks import StrokeTracks
 from videovec.write.keyframes import Animated
 from videovec.write.motion import StrokeMotion, stroke_motions
-from videovec.write.svg import hex_colour
 from videovec.write.time_base import time_base
 
 __all__ = ["dotlottie_bytes", "lottie_text"]

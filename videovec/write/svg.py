@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from svgwrite.base import BaseElement
 
 from videovec.errors import ConfigError
-from videovec.stroke_shape import StrokeShape, shape_of_row
+from videovec.stroke_shape import StrokeShape, hex_colour, shape_of_row
 from videovec.strokes import Strokes
 from videovec.tracks import StrokeTracks
 from videovec.write.outline import outline, plan_outline
 from videovec.write.style import is_constant_width
 
-__all__ = ["SVG_STYLES", "hex_colour", "path_data", "svg_frame", "svg_frames"]
+__all__ = ["SVG_STYLES", "path_data", "svg_frame", "svg_frames"]
 
 SVG_STYLES = ("auto", "stroke", "outline", "powerstroke")
 
@@ -149,12 +149,6 @@ def path_data(points: Floats, is_closed: bool = False) -> str:
     words = [f"{_number(x)},{_number(y)}" for x, y in points.tolist()]
     curves = "".join(f" C {' '.join(words[k : k + 3])}" for k in range(1, len(words), 3))
     return f"M {words[0]}{curves}{' Z' if is_closed else ''}"
-
-
-def hex_colour(color: Floats) -> str:
-    """A colour as SVG writes it: [3] in [0, 1] -> ``#rrggbb``."""
-    red, green, blue = np.rint(255 * np.clip(color, 0, 1)).astype(int).tolist()
-    return f"#{red:02x}{green:02x}{blue:02x}"
 
 
 def _power_stroke(name: str, half_width: Floats) -> BaseElement:

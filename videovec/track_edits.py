@@ -1,0 +1,124 @@
+"""Corrections of identities by hand, each giving new tracks that remember it as an event.
+
+Nothing is fitted again: curves stay where they are, so that corrected tracks can be exported at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from videovec.errors import InputError
+from videovec.events import Event, EventKind
+from videovec.life_edits import join_in_space, join_in_time, split_in_space, split_in_time
+from videovec.stroke_track import StrokeTrack
+from videovec.strokes import Strokes
+
+if TYPE_CHECKING:
+    from videovec.tracks import StrokeTracks
+
+__all__ = ["drop", "merge", "rename", "reverse", "split"]
+
+
+def merge(tracks: StrokeTracks, first: int, second: int) -> StrokeTracks:
+    """Make one stroke of two; see ``StrokeTracks.merge``."""
+    if first == second:
+        raise InputError(f"a stroke cannot be merged with itself, got {first} twice")
+    a, b = tracks[first], tracks[second]
+    if a.stroke.last < b.stroke.first or b.stroke.last < a.stroke.first:
+        early, late = (a, b) if a.stroke.last < b.stroke.first else (b, a)
+        joined = join_in_time(early.stroke, late.stroke)
+        gap = np.zeros(late.stroke.first - early.stroke.last - 1)
+        error = np.concatenate([early.error, gap, late.error])
+        confidence = np.concatenate([early.confidence, gap, late.confidence])
+        drawing = late.stroke.first
+    else:
+        joined = join_in_space(a.stroke, b.stroke)
+        error = np.sqrt((a.error**2 + b.error**2) / 2)
+        confidence = np.minimum(a.confidence, b.confidence)
+        drawing = joined.first
+    merged = StrokeTrack(replace(joined, id=first, layer=a.stroke.layer), tracks.timeline, error, confidence)
+    event = Event(EventKind.MERGE, drawing, (first,), (first, second))
+    return _with(_without_id(tracks, second), {first: [merged], second: []}, event)
+
+
+def split(tracks: StrokeTracks, stroke: int, u: float | None, frame: int | None) -> StrokeTracks:
+    """Make two strokes of one; see ``StrokeTracks.split``."""
+    track = tracks[stroke]
+    new_id = int(tracks.strokes.ids.max()) + 1
+    if u is not None and frame is None:
+        parts = split_in_space(track.stroke, u, new_id)
+        pieces = [StrokeTrack(part, tracks.timeline, track.error, track.confidence) for part in parts]
+        drawing = track.stroke.first
+    elif frame is not None and u is None:
+        tracks.check_frame(frame)
+        drawing = int(tracks.timeline.drawing_of_frame[frame])
+        at = drawing - track.stroke.first
+        parts = split_in_time(track.stroke, drawing, new_id)
+        pieces = [
+            StrokeTrack(part, tracks.timeline, track.error[rows], track.confidence[rows])
+            for part, rows in zip(parts, (slice(at), slice(at, None)), strict=True)
+        ]
+    else:
+        raise InputError(f"a split needs either an arc fraction u or a frame, got u={u} and frame={frame}")
+    return _with(tracks, {stroke: pieces}, Event(EventKind.SPLIT, drawing, (stroke, new_id), (stroke,)))
+
+
+def rename(tracks: StrokeTracks, old: int, new: int) -> StrokeTracks:
+    """Give a stroke another identity; see ``StrokeTracks.rename``."""
+    position = tracks.position(old)
+    if new < 1 or (new != old and new in tracks.strokes.ids):
+        raise InputError(f"stroke {old} must be given an unused identity from 1, got {new}")
+    ids = tracks.strokes.ids.copy()
+    ids[position] = new
+    names = {old: new}
+    events = tuple(
+        replace(
+            event,
+            ids=tuple(names.get(one, one) for one in event.ids),
+            parents=tuple(names.get(one, one) for one in event.parents),
+        )
+        for event in tracks.events
+    )
+    return replace(tracks, strokes=replace(tracks.strokes, ids=ids), events=events)
+
+
+def drop(tracks: StrokeTracks, strokes: Iterable[int]) -> StrokeTracks:
+    """Leave strokes out; see ``StrokeTracks.drop``."""
+    for stroke in list(strokes):
+        tracks = _with(_without_id(tracks, stroke), {stroke: []})
+    return tracks
+
+
+def reverse(tracks: StrokeTracks, stroke: int) -> StrokeTracks:
+    """Run a stroke the other way; see ``StrokeTracks.reverse``."""
+    track = tracks[stroke]
+    return _with(tracks, {stroke: [replace(track, stroke=track.stroke.reversed())]})
+
+
+def _without_id(tracks: StrokeTracks, stroke: int) -> StrokeTracks:
+    """The same tracks, with events that no longer speak of a stroke; those of it alone are gone."""
+    tracks.position(stroke)
+    kept = []
+    for event in tracks.events:
+        ids = tuple(one for one in event.ids if one != stroke)
+        if ids or event.kind is EventKind.CUT:
+            kept.append(replace(event, ids=ids))
+    return replace(tracks, events=tuple(kept))
+
+
+def _with(tracks: StrokeTracks, changed: dict[int, Sequence[StrokeTrack]], event: Event | None = None) -> StrokeTracks:
+    """The same tracks with others in the place of some, and an event more."""
+    every = [one for track in tracks for one in changed.get(track.id, [track])]
+    events = sorted([*tracks.events, *([event] if event else [])], key=lambda one: one.drawing)
+    nothing = [np.zeros(0)]
+    return replace(
+        tracks,
+        strokes=Strokes.concatenate([track.stroke.as_strokes() for track in every]),
+        events=tuple(events),
+        error=np.concatenate([*nothing, *(track.error for track in every)]),
+        confidence=np.concatenate([*nothing, *(track.confidence for track in every)]),
+    )
