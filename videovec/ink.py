@@ -119,7 +119,7 @@ def _read_drawing(
     """Coverage and label of one drawing. uint8 [H, W] each"""
     label = _labels(deviation, inks, max(settings.least_contrast, 4 * max(noise)))
     scale = (inks / (inks**2).sum(axis=1, keepdims=True)).astype(np.float32)
-    share = np.clip((deviation * scale[label]).sum(axis=2), 0, 1)
+    share = np.clip(np.einsum("hwc,hwc->hw", deviation, scale[label]), 0, 1)
     depth = magnitude(inks.astype(np.float32))[label]
     share[~_is_ink(share * depth, noise, settings)] = 0
     return np.rint(share * 255).astype(np.uint8), label

@@ -83,47 +83,60 @@ def flatten(image: Floats, page: Page) -> Floats:
     """
     if not page.flatten:
         return image
-    shading = _shading(image, page)
-    if np.ptp(shading, axis=(0, 1)).max() <= FLAT and np.abs(shading.mean(axis=(0, 1)) - page.color).max() <= FLAT:
+    surfaces = _shading(image, page)
+    ends = np.linspace(0, 1, 17)
+    coarse = np.stack([_evaluate(surface, ends, ends) for surface in surfaces], axis=2)
+    if np.abs(coarse - page.color).max() <= FLAT:
         return image
-    color = page.color.astype(np.float32)
-    if color.mean() >= 0.5:
-        return np.clip(image * (color / np.maximum(shading, 1e-3)), 0, 1)
-    return np.clip(1 - (1 - image) * ((1 - color) / np.maximum(1 - shading, 1e-3)), 0, 1)
+    height, width = image.shape[:2]
+    x, y = (np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height
+    flat = np.empty_like(image)
+    is_light = page.color.mean() >= 0.5
+    for channel, surface in enumerate(surfaces):
+        shading = _evaluate(surface, x, y).astype(np.float32)
+        color, values = np.float32(page.color[channel]), image[..., channel]
+        if is_light:
+            flat[..., channel] = values * (color / np.maximum(shading, 1e-3))
+        else:
+            flat[..., channel] = 1 - (1 - values) * ((1 - color) / np.maximum(1 - shading, 1e-3))
+    return np.clip(flat, 0, 1)
 
 
-def _shading(image: Floats, page: Page) -> Floats:
-    """The page's colour at every pixel: a smooth surface through the pixels that carry no ink. [H, W, 3]
+def _shading(image: Floats, page: Page) -> NDArray[np.float64]:
+    """The page's colour as a smooth surface through the pixels that carry no ink.
 
     Iteratively reweighted least squares from block medians; ink is an outlier.
+
+    Returns:
+        Coefficients of x^i y^j for each channel, x and y in [0, 1]. [3, DEGREE + 1, DEGREE + 1]
     """
     height, width = image.shape[:2]
-    block = max(1, min(height, width) // 48)
+    block = max(1, min(height, width) // 32)
     rows, columns = height // block, width // block
-    cropped = image[: rows * block, : columns * block].reshape(rows, block, columns, block, 3)
-    medians = np.median(cropped.transpose(0, 2, 1, 3, 4).reshape(rows * columns, block * block, 3), axis=1)
-    y, x = np.meshgrid((np.arange(rows) + 0.5) / rows, (np.arange(columns) + 0.5) / columns, indexing="ij")
-    basis = _monomials(x.ravel(), y.ravel())
-    weight = np.ones(len(basis))
+    stride = max(1, block // 6)
+    cropped = image[: rows * block, : columns * block].reshape(rows, block, columns, block, 3)[:, ::stride, :, ::stride]
+    medians = np.median(cropped.transpose(0, 2, 4, 1, 3).reshape(rows * columns, 3, -1), axis=2)
+    y, x = np.meshgrid(
+        (np.arange(rows) + 0.5) * block / height, (np.arange(columns) + 0.5) * block / width, indexing="ij"
+    )
+    powers = [(i, j) for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i)]
+    basis = np.stack([x.ravel() ** i * y.ravel() ** j for i, j in powers], axis=1)
     residual = np.abs(medians - page.color).max(axis=1)
     for _ in range(12):
         scale = max(0.004, 1.5 * float(np.median(residual)))
-        weight = 1 / (1 + (residual / scale) ** 4)
-        coefficients, *_ = np.linalg.lstsq(basis * weight[:, None], medians * weight[:, None], rcond=None)
+        weight = (1 / (1 + (residual / scale) ** 4))[:, None]
+        coefficients, *_ = np.linalg.lstsq(basis * weight, medians * weight, rcond=None)
         residual = np.abs(medians - basis @ coefficients).max(axis=1)
-    xs, ys = (np.arange(width) + 0.5) / (columns * block), (np.arange(height) + 0.5) / (rows * block)
-    full = np.zeros((height, width, 3), np.float32)
-    for (i, j), term in zip(_powers(), coefficients, strict=True):
-        full += ((ys**j)[:, None] * (xs**i)[None, :])[..., None].astype(np.float32) * term.astype(np.float32)
-    return np.clip(full, 0, 1)
+    surfaces = np.zeros((3, DEGREE + 1, DEGREE + 1))
+    for (i, j), term in zip(powers, coefficients, strict=True):
+        surfaces[:, j, i] = term
+    return surfaces
 
 
-def _powers() -> list[tuple[int, int]]:
-    return [(i, j) for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i)]
-
-
-def _monomials(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.stack([x**i * y**j for i, j in _powers()], axis=1)
+def _evaluate(surface: NDArray[np.float64], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A polynomial surface on a grid. [len(y), len(x)]"""
+    powers = np.arange(DEGREE + 1)
+    return np.clip((y[:, None] ** powers) @ surface @ (x[:, None] ** powers).T, 0, 1)
 
 
 def page_noise(deviation: Floats, ink: NDArray[np.uint8]) -> tuple[float, float]:

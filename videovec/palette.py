@@ -77,7 +77,7 @@ class Cores:
 
 def magnitude(deviation: Floats) -> Floats:
     """Distance from the page, 1 from white to black. [...]"""
-    size: Floats = np.sqrt((deviation**2).sum(axis=-1) / 3)
+    size: Floats = np.sqrt(np.einsum("...c,...c->...", deviation, deviation) / 3)
     return size
 
 
@@ -93,12 +93,15 @@ def core_masks(deviation: Floats, threshold: float) -> tuple[NDArray[np.bool_], 
     """
     size = magnitude(deviation)
     core = (size > threshold) & (size >= 0.9 * cv2.dilate(size, np.ones((3, 3), np.uint8)))
-    padded = np.pad(deviation, ((1, 1), (1, 1), (0, 0)), mode="edge")
-    height, width = size.shape
-    alike = np.zeros(size.shape, np.int8)
-    for dy, dx in ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2)):
-        alike += magnitude(padded[dy : dy + height, dx : dx + width] - deviation) <= 0.2 * size
-    return core, core & (alike >= 6)
+    rows, columns = np.nonzero(core)
+    own = deviation[rows, columns]
+    alike = np.zeros(len(rows), np.int8)
+    for dy, dx in ((-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)):
+        y, x = np.clip(rows + dy, 0, core.shape[0] - 1), np.clip(columns + dx, 0, core.shape[1] - 1)
+        alike += magnitude(deviation[y, x] - own) <= 0.2 * size[rows, columns]
+    wide = np.zeros_like(core)
+    wide[rows, columns] = alike >= 6
+    return core, wide
 
 
 def sample_cores(deviation: Floats, threshold: float) -> Cores:
