@@ -19,8 +19,8 @@ Bools = NDArray[np.bool_]
 
 _NEAR = 2.5
 """Distance up to which ink supports a node, if its line is thin. px"""
-_TURN = np.cos(2 * np.radians(40.0))
-"""Cosine of twice the angle by which the ink's direction may differ."""
+_OWN = 0.2
+"""Share of the seen nodes that must have ink of their own."""
 _DIRECTION = 6.0
 """Weight of direction when ink chooses its stroke. px"""
 _REACH = 2
@@ -40,11 +40,11 @@ class Support:
     """What the ink says of strokes that were placed on it.
 
     Args:
-        node: Which nodes have ink of their own. bool [N]
+        node: Which nodes lie on ink. bool [N]
         first: First node that is seen of each stroke, counted within it. int [S]
         last: Last node that is seen; before the first if nothing is. int [S]
         visible: The same as arc fractions. [S, 2]
-        share: Share of nodes with ink of their own. [S]
+        share: Share of nodes that lie on ink. [S]
     """
 
     node: Bools
@@ -67,8 +67,8 @@ class Support:
 def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Target) -> Support:
     """Look for the ink of every stroke.
 
-    Ink counts for a stroke if it lies at a node, runs its way, and has no nearer stroke: a stroke that has vanished
-    finds its neighbours' ink, but cannot claim it.
+    A part of a stroke is seen where there is ink; the stroke is there if some of that ink has no better stroke. A
+    stroke that has vanished finds its neighbours' ink, but cannot claim it.
 
     Args:
         nodes: N nodes.
@@ -80,32 +80,23 @@ def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Ta
         The support of each node and the seen part of each stroke.
     """
     reach = np.maximum(_NEAR, 0.8 * half_width)[nodes.stroke]
-    supported = np.zeros(len(nodes), bool)
+    supported, claimed = np.zeros(len(nodes), bool), np.zeros(len(nodes), bool)
     if len(target) and len(nodes):
-        supported = _claimed(nodes, positions, reach, target) & _lies_on(nodes, positions, reach, target)
+        supported = target.distance_at(positions) <= reach
+        claimed = _claimed(nodes, positions, reach, target)
     count = len(nodes.bases)
     first, last = np.zeros(count, np.intp), np.full(count, -1, np.intp)
     visible, share = np.zeros((count, 2)), np.zeros(count)
     for s, basis in enumerate(nodes.bases):
         part = supported[nodes.starts[s] : nodes.starts[s + 1]]
+        own = claimed[nodes.starts[s] : nodes.starts[s + 1]]
         share[s] = part.mean()
         first[s], last[s] = _interval(part, basis.is_closed)
+        if own[first[s] : last[s] + 1].sum() < _OWN * (last[s] + 1 - first[s]):
+            first[s], last[s] = 0, -1
         if last[s] >= first[s]:
             visible[s] = basis.u[first[s]], 1.0 if last[s] == len(part) - 1 else basis.u[last[s]]
     return Support(supported, first, last, visible, share)
-
-
-def _lies_on(nodes: Nodes, positions: Floats, reach: Floats, target: Target) -> Bools:
-    """Nodes with ink of their direction at them. bool [N]"""
-    height, width = target.distance.shape
-    column = np.clip(positions[:, 0].astype(np.intp), 0, width - 1)
-    row = np.clip(positions[:, 1].astype(np.intp), 0, height - 1)
-    ink = target.nearest[row, column]
-    tangent = nodes.tangents(positions)
-    agrees = (doubled(tangent) * doubled(target.direction[ink])).sum(axis=1) > _TURN
-    # Within half a line's width of a blob's middle or of a junction, direction means little.
-    agrees |= ~tangent.any(axis=1)
-    return np.asarray(agrees & (target.distance_at(positions) <= reach))
 
 
 def _claimed(nodes: Nodes, positions: Floats, reach: Floats, target: Target) -> Bools:
