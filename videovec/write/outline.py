@@ -24,13 +24,14 @@ from numpy.typing import NDArray
 
 from videovec.curves import evaluate, parameter_at, segments_of
 from videovec.stroke_shape import StrokeShape
-from videovec.write.sections import Stations, angle_between, even_grid, shared_out
+from videovec.write.sections import Stations, angle_between, cut_at_cusps, even_grid, find_cusps, shared_out
 
 __all__ = ["OutlinePlan", "outline", "plan_outline"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
+_ABOUT = 3.0  # radians of turn, of pi, from which a corner is one that turns about
 _INSIDE = 0.1  # px by which a side nearer to another part of the stroke lies within its ink
 _TOLERANCE = 0.02  # px between an offset curve and the cubics that stand for it
 _PIECES = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32)
@@ -46,12 +47,14 @@ class OutlinePlan:
     """How many cubics the outline of a stroke of n segments has, and where.
 
     Args:
-        pieces: Cubics on each side of each segment. int [n]
+        is_cut: Which segments turn about on the spot on some drawing, and are cut in two there. bool [n]
+        pieces: Cubics on each side of each segment, after those cuts. int [m]
         turns: Cubics on each side of the joint after each segment: none where it is smooth, one for a slight corner,
-            two for a sharp one. int [n]
+            two for a sharp one. int [m]
         is_loop: Whether the outline is a ring, with an outer and an inner loop; otherwise it has two round ends.
     """
 
+    is_cut: NDArray[np.bool_]
     pieces: Ints
     turns: Ints
     is_loop: bool
@@ -67,13 +70,14 @@ def plan_outline(shapes: Sequence[StrokeShape], tolerance: float = _TOLERANCE) -
     Returns:
         The plan, with as few pieces as will do for all.
     """
-    control = np.stack([segments_of(shape.points) for shape in shapes])  # [K, n, 4, 2]
-    widths = np.stack([np.stack([shape.half_width[:-1], shape.half_width[1:]], -1) for shape in shapes])  # [K, n, 2]
+    is_cut = np.asarray(find_cusps(np.stack([segments_of(shape.points) for shape in shapes]))[0].any(0))
+    control, joints = _splines(shapes, is_cut)
+    widths = np.stack([joints[:, :-1], joints[:, 1:]], -1)
     is_loop = all(shape.is_closed and shape.is_whole for shape in shapes)
     turns = _turns_needed(control, widths, tolerance)
     if not is_loop:
         turns[-1] = 0
-    return OutlinePlan(_pieces_needed(control, widths, tolerance), turns, is_loop)
+    return OutlinePlan(is_cut, _pieces_needed(control, widths, tolerance), turns, is_loop)
 
 
 def outline(shapes: Sequence[StrokeShape], plan: OutlinePlan) -> tuple[Floats, ...]:
@@ -87,20 +91,19 @@ def outline(shapes: Sequence[StrokeShape], plan: OutlinePlan) -> tuple[Floats, .
     Returns:
         One closed spline, or two for a ring: the last point of each equals its first. [K, 3m+1, 2] px
     """
-    segment, t = _knots(shapes, plan)
-    control = np.stack([segments_of(shape.points) for shape in shapes])
-    widths = np.stack([shape.half_width for shape in shapes])
+    control, widths = _splines(shapes, plan.is_cut)
+    segment, t = _knots(control, widths, shapes, plan)
     each = np.arange(len(shapes))[:, None]
     before, after = widths[each, segment][..., None], widths[each, segment + 1][..., None]
     stations = Stations.at(control[each, segment], before + (after - before) * t, t)
     left, right = (_side(stations, sign, plan) for sign in (1.0, -1.0))
-    backwards = right[:, ::-1, ::-1]
     if plan.is_loop:
-        return _joined(left), _joined(backwards)
+        return _joined(left), _joined(right[:, ::-1, ::-1])
     quarter = np.broadcast_to(np.pi / 2, (len(shapes), 3))
     head = _arcs(stations, (-1, 3), quarter * [1, 0, -1])
     tail = _arcs(stations, (0, 0), quarter * [-1, -2, -3])
-    return (_joined(np.concatenate([left, head, backwards, tail], axis=1)),)
+    left[:, -1, 3], right[:, 0, 0] = head[:, 0, 0], tail[:, 0, 0]  # round ends have their full width, however tight
+    return (_joined(np.concatenate([left, head, right[:, ::-1, ::-1], tail], axis=1)),)
 
 
 def _pieces_needed(control: Floats, widths: Floats, tolerance: float) -> Ints:
@@ -134,7 +137,9 @@ def _side_error(control: Floats, widths: Floats, grid: Floats, count: int, toler
         error[at_between.is_tight(sign)] = 0.0
         segment, place = np.nonzero(error > tolerance)
         to_others = at_between.side(sign)[segment, place][:, None] - evaluate(control[segment, None], grid[segment])
-        is_inside = np.linalg.norm(to_others, axis=-1).min(1) < at_between.half_width[segment, place] - _INSIDE
+        reach = widths[segment, :1] + (widths[segment, 1:] - widths[segment, :1]) * grid[segment]
+        reach = np.minimum(reach, at_between.half_width[segment, place][:, None])
+        is_inside = (np.linalg.norm(to_others, axis=-1) < reach - _INSIDE).any(1)
         error[segment[is_inside], place[is_inside]] = 0.0
         worst = np.maximum(worst, error.max(1))
     return worst
@@ -163,19 +168,24 @@ def _side(stations: Stations, sign: float, plan: OutlinePlan) -> Floats:
     """The cubics along one side, those of its corners between. [K, m, 4, 2]"""
     pieces = _through(stations.side(sign), stations.is_tight(sign))
     starts = np.concatenate([[0], np.cumsum(plan.pieces)])
-    parts = []
+    parts: list[Floats] = []
     for k, turns in enumerate(plan.turns):
         parts.append(pieces[:, starts[k] : starts[k + 1]])
         if turns:
             joint = int(starts[k + 1]) - 1, int(starts[(k + 1) % len(plan.turns)])
-            parts.append(_corner(stations, sign, joint, int(turns)))
+            corner = _corner(stations, sign, joint, int(turns))
+            parts[-1][:, -1, 3] = corner[:, 0, 0]  # a fan has its full width, however tight the side is there
+            parts.append(corner)
     return np.concatenate(parts, axis=1)
 
 
 def _corner(stations: Stations, sign: float, joint: tuple[int, int], turns: int) -> Floats:
     """One side of a corner: a fan where it is the outer one, else the way through the joint. [K, turns, 4, 2]"""
     before, after = joint
-    turn = angle_between(stations.tangent[:, before, 3], stations.tangent[:, after, 0])[:, None]
+    turn = angle_between(stations.tangent[:, before, 3], stations.tangent[:, after, 0])
+    bend = stations.curvature[:, before, 3] + stations.curvature[:, after, 0]
+    is_about = np.abs(turn) > _ABOUT  # such a turn may go either way; it goes as the curve bends
+    turn = np.where(is_about & (turn * bend < 0), turn - 2 * np.pi * np.sign(turn), turn)[:, None]
     fan = _arcs(stations, (before, 3), sign * np.pi / 2 + turn * np.arange(turns + 1) / turns)
     side = stations.side(sign)
     way = [side[:, before, 3], side[:, after, 0]]
@@ -207,18 +217,25 @@ def _joined(cubics: Floats) -> Floats:
     return np.concatenate([points[:, -1:], points], axis=1)
 
 
-def _knots(shapes: Sequence[StrokeShape], plan: OutlinePlan) -> tuple[Ints, Floats]:
+def _splines(shapes: Sequence[StrokeShape], is_cut: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Segments [K, m, 4, 2] and half-widths [K, m+1] of a stroke on K drawings, cut where the plan says."""
+    control = np.stack([segments_of(shape.points) for shape in shapes])
+    widths = np.stack([shape.half_width for shape in shapes])
+    return cut_at_cusps(control, widths, is_cut) if is_cut.any() else (control, widths)
+
+
+def _knots(control: Floats, widths: Floats, shapes: Sequence[StrokeShape], plan: OutlinePlan) -> tuple[Ints, Floats]:
     """Segment [K, Q] and four parameters [K, Q, 4] of each piece; hidden pieces lie at the end of the visible part."""
     count = len(plan.pieces)
-    control = np.concatenate([segments_of(shape.points) for shape in shapes])
-    widths = np.concatenate([np.stack([shape.half_width[:-1], shape.half_width[1:]], -1) for shape in shapes])
-    grid = even_grid(control, widths).reshape(len(shapes), count, -1)
+    ends = np.stack([widths[:, :-1], widths[:, 1:]], -1)
+    grid = even_grid(control.reshape(-1, 4, 2), ends.reshape(-1, 2)).reshape(len(shapes), count, -1)
     cuts = [k + shared_out(grid[:, k], int(pieces)) for k, pieces in enumerate(plan.pieces)]
     edges = np.concatenate([np.stack([cut[:, :-1], cut[:, 1:]], -1) for cut in cuts], axis=1)  # [K, Q, 2]
     segment = np.tile(np.repeat(np.arange(count), plan.pieces), (len(shapes), 1))
     for k, shape in enumerate(shapes):
         if not shape.is_whole:
-            at, t = parameter_at(shape.points, np.asarray(shape.visible))
+            spline = np.concatenate([control[k, 0, :1], control[k, :, 1:].reshape(-1, 2)])
+            at, t = parameter_at(spline, np.asarray(shape.visible))
             edges[k] = np.clip(edges[k], (at + t)[0], max(at + t))
             is_hidden = edges[k, :, 0] == edges[k, :, 1]
             segment[k, is_hidden] = np.minimum(edges[k, is_hidden, 0].astype(np.intp), count - 1)

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.curves import derivative, evaluate
+from videovec.curves import derivative, evaluate, split
 
-__all__ = ["Stations", "angle_between", "even_grid", "shared_out"]
+__all__ = ["Stations", "angle_between", "cut_at_cusps", "even_grid", "find_cusps", "shared_out"]
 
 Floats = NDArray[np.float64]
 
+_HALT = 0.003  # speed, in lengths of the control polygon, under which a segment turns about on the spot
 _GRID = 32  # steps of a segment over which its pieces are shared out
 _ROUNDS = 3  # how often that grid is refined where the curve turns
 
@@ -91,6 +92,54 @@ def shared_out(grid: Floats, count: int) -> Floats:
     place = np.linspace(0, _GRID, count + 1)
     low = np.minimum(place.astype(np.intp), _GRID - 1)
     return np.asarray(grid[:, low] + (place - low) * (grid[:, low + 1] - grid[:, low]))
+
+
+def find_cusps(control: Floats) -> tuple[NDArray[np.bool_], Floats]:
+    """Whether each segment comes to a halt within, to turn about on the spot, and where it is slowest.
+
+    Args:
+        control: Control points of each segment. [..., 4, 2] px
+
+    Returns:
+        bool [...], and t in (0, 1). [...]
+    """
+    scale = np.linalg.norm(np.diff(control, axis=-2), axis=-1).sum(-1)
+    t = np.broadcast_to(np.linspace(0, 1, 65)[1:-1], (*scale.shape, 63))
+    step = 1 / 64
+    for _ in range(4):  # look again around the slowest, ever closer
+        speed = np.linalg.norm(derivative(control[..., None, :, :], t), axis=-1)
+        slowest = np.take_along_axis(t, speed.argmin(-1)[..., None], -1)
+        t = np.clip(slowest + step * np.linspace(-1, 1, 33), 1e-3, 1 - 1e-3)
+        step /= 16
+    return np.asarray(speed.min(-1) < _HALT * scale), np.asarray(slowest[..., 0])
+
+
+def cut_at_cusps(control: Floats, widths: Floats, is_cut: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Splines with some of their segments cut where they are slowest; where they halt, the cut becomes a corner.
+
+    Args:
+        control: Segments of K splines. [K, n, 4, 2] px
+        widths: Half-width at their joints. [K, n+1] px
+        is_cut: Which segments are cut. bool [n]
+
+    Returns:
+        The same with m segments. [K, m, 4, 2], [K, m+1]
+    """
+    is_cusp, slowest = find_cusps(control)
+    segments, joints = [], [widths[:, :1]]
+    for k, cut in enumerate(is_cut):
+        if cut:
+            t = slowest[:, k]
+            before, after = split(control[:, k], t)
+            joint = before[:, 3]
+            for handle in (before[:, 2], after[:, 1]):  # none at a cusp: both sides come straight in
+                handle[is_cusp[:, k]] = joint[is_cusp[:, k]]
+            segments += [before, after]
+            joints.append(((1 - t) * widths[:, k] + t * widths[:, k + 1])[:, None])
+        else:
+            segments.append(control[:, k])
+        joints.append(widths[:, k + 1 : k + 2])
+    return np.stack(segments, axis=1), np.concatenate(joints, axis=1)
 
 
 def angle_between(a: Floats, b: Floats) -> Floats:
