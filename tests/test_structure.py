@@ -26,7 +26,7 @@ ORDER = (
     ("visibility",),
     ("parameters",),
     ("optimise", "temporal", "evidence"),
-    ("initialise",),
+    ("initialise", "reference"),
     ("propagate", "link"),
     ("fit",),
     ("metrics",),

@@ -225,7 +225,7 @@ def _read_float(value: object) -> float | None:
 
 
 def _read_str(value: object) -> str | None:
-    return value if isinstance(value, str) and value else None
+    return value if isinstance(value, str) else None
 
 
 _READERS: dict[type, Any] = {bool: _read_bool, int: _read_int, float: _read_float, str: _read_str}
