@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 ORDER = (
-    ("errors", "limits", "progress", "threads"),
+    ("errors", "limits", "progress", "threads", "compiling"),
     ("settings", "stopwatch"),
     ("config", "clip", "files"),
     ("events", "curves", "strokes"),
@@ -22,7 +22,7 @@ ORDER = (
     ("decode",),
     ("page", "palette"),
     ("ink",),
-    ("render",),
+    ("render", "losses", "perceptual"),
     ("visibility",),
     ("parameters",),
     ("optimise", "temporal", "evidence"),

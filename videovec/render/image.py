@@ -27,9 +27,15 @@ def composite(scene: Scene, pairs: PairList, scale: float, backend: str = "auto"
     Returns:
         Premultiplied colour [A, C] and coverage [A] of the active pixels.
     """
-    _choose(backend, scene)
-    from videovec.render.torch_backend import composite_pairs
+    name = _choose(backend, scene)
+    if name == "reference":
+        from videovec.render.reference import composite_dense
 
+        return composite_dense(scene, pairs.chunks, pairs.active, scale)
+    if name == "numba":
+        from videovec.render.numba_composite import composite_pairs
+    else:
+        from videovec.render.torch_backend import composite_pairs
     return composite_pairs(scene, pairs, scale)
 
 

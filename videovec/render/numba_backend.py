@@ -9,15 +9,15 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from torch import Tensor
 
+from videovec.compiling import compiled
 from videovec.render.numba_kernels import PARTIALS, accumulate, evaluate
 from videovec.render.pairs import PairList
 from videovec.render.scene import Scene
 
-__all__ = ["Arrays", "arrays_of", "match_drawings"]
+__all__ = ["Arrays", "arrays_of", "cover", "gather", "match_drawings", "most_pairs"]
 
 Array = NDArray[Any]
 
@@ -72,7 +72,7 @@ def arrays_of(scene: Scene, pairs: PairList) -> Arrays:
     )
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled(inline=True)
 def _visible(a: Arrays, chunk: int) -> tuple[tuple[Any, Any], bool, bool]:
     """First and last visible t of a chunk, and whether those are ends of the visible interval."""
     g = a.segment[chunk]
@@ -80,7 +80,7 @@ def _visible(a: Arrays, chunk: int) -> tuple[tuple[Any, Any], bool, bool]:
     return ends, a.interval[g, 0] >= a.bounds[chunk, 0], a.interval[g, 1] <= a.bounds[chunk, 1]
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled(inline=True)
 def _fields(a: Arrays, scratch: Array, i: int, j: int, first: int) -> tuple[Array, ...]:
     """t, coverage and partials of pairs i .. j, as contiguous arrays: strided ones would not be vectorised."""
     m, n = i - first, j - first
@@ -88,8 +88,8 @@ def _fields(a: Arrays, scratch: Array, i: int, j: int, first: int) -> tuple[Arra
     return a.t[i:j], c[m:n], ux[m:n], uy[m:n], vx[m:n], vy[m:n], h[m:n]
 
 
-@njit(cache=True, error_model="numpy")
-def _cover(a: Arrays, scale: float, drawing: int, scratch: Array) -> None:
+@compiled()
+def cover(a: Arrays, scale: float, drawing: int, scratch: Array) -> None:
     """First pass: coverage [1] and partials [2:] of every pair of a drawing."""
     first = a.chunk_pairs[a.drawing_chunks[drawing]]
     for chunk in range(a.drawing_chunks[drawing], a.drawing_chunks[drawing + 1]):
@@ -102,8 +102,8 @@ def _cover(a: Arrays, scale: float, drawing: int, scratch: Array) -> None:
         evaluate(a.control[g], a.half_width[g], ends, scale, (a.x[i:j], a.y[i:j]), out)
 
 
-@njit(cache=True, error_model="numpy")
-def _gather(a: Arrays, drawing: int, scratch: Array, weight: Array, grads: tuple[Array, Array, Array]) -> None:
+@compiled()
+def gather(a: Arrays, drawing: int, scratch: Array, weight: Array, grads: tuple[Array, Array, Array]) -> None:
     """Third pass: gradients of control points, half-widths and visible intervals."""
     first = a.chunk_pairs[a.drawing_chunks[drawing]]
     grad_control, grad_half_width, grad_interval = grads
@@ -120,7 +120,7 @@ def _gather(a: Arrays, drawing: int, scratch: Array, weight: Array, grads: tuple
             grad_interval[g, 1] += _end_gradient(a.control[g], a.half_width[g], ends[1], w, out)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled()
 def _end_gradient(p: Array, h: Array, end: float, weight: Array, out: tuple[Array, ...]) -> float:
     """Derivative by the t of a visible end: pairs whose nearest point it is move and widen with it."""
     ts, _, uxs, uys, vxs, vys, hs = out
@@ -139,8 +139,8 @@ def _end_gradient(p: Array, h: Array, end: float, weight: Array, out: tuple[Arra
     return float(moved + dh * (h[1] - h[0]))
 
 
-@njit(cache=True, error_model="numpy")
-def _longest(start: Array, begin: int, end: int) -> int:
+@compiled()
+def most_pairs(start: Array, begin: int, end: int) -> int:
     """Most pairs on one pixel."""
     most = 0
     for a in range(begin, end):
@@ -148,7 +148,7 @@ def _longest(start: Array, begin: int, end: int) -> int:
     return most
 
 
-@njit(cache=True, error_model="numpy")
+@compiled()
 def _match(
     a: Arrays, drawing: int, fields: tuple[Array, Array], target: Array, extra: Array, grad_opacity: Array, value: Array
 ) -> float:
@@ -157,7 +157,7 @@ def _match(
     coverage, weight = fields
     first = a.chunk_pairs[a.drawing_chunks[drawing]]
     begin, end = a.drawing_pixels[drawing], a.drawing_pixels[drawing + 1]
-    most = _longest(a.start, begin, end)
+    most = most_pairs(a.start, begin, end)
     best, best_row = np.empty(most, np.int64), np.empty(most, np.int32)
     clear, one = np.empty(most + 1, a.control.dtype), real(1)
     clear[0] = one
@@ -203,7 +203,7 @@ def _match(
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def match_drawings(
     a: Arrays, drawings: tuple[int, int], scale: float, target: Array, extra: Array, out: tuple[Array, ...]
 ) -> None:
@@ -223,6 +223,6 @@ def match_drawings(
         first, last = a.chunk_pairs[a.drawing_chunks[drawing]], a.chunk_pairs[a.drawing_chunks[drawing + 1]]
         scratch = np.empty((PARTIALS + 1, last - first), a.control.dtype)
         weight = np.empty(last - first, a.control.dtype)
-        _cover(a, scale, drawing, scratch)
+        cover(a, scale, drawing, scratch)
         loss[drawing] = _match(a, drawing, (scratch[0], weight), target, extra, grad_opacity, value)
-        _gather(a, drawing, scratch, weight, (grad_control, grad_half_width, grad_interval))
+        gather(a, drawing, scratch, weight, (grad_control, grad_half_width, grad_interval))

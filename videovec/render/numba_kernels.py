@@ -1,7 +1,8 @@
 """Coverage of (chunk, pixel) pairs and its derivatives, by hand, in numba.
 
 For a pixel with centre p let t be the parameter of the chunk's nearest point B(t), r = p - B, d = |r|, h = h(t) and n
-the unit normal there (across the curve, or along r where the chunk ends or has no tangent). The pixel's square of side
+the unit normal there (across the curve, or along r where the chunk ends or has no tangent; there r is stretched, see
+`videovec.render.limits`). The pixel's square of side
 ``scale``, projected on n, is a trapezoid; Q is its integral from 0, and
 
     coverage = Q(h - d) + Q(h + d),    dc = c_h dh + c_d dd + c_psi dpsi,    psi the angle of n.
@@ -11,7 +12,8 @@ Inside the chunk r . B' = 0 stays true when a control point moves, hence with D 
     dt = sum_i (b_i' r - b_i B') . dP_i / D     and     dpsi = (n . dB') / |B'|,
 
 where dB' counts both the b_i' and B'' dt. Every derivative is thus  dc/dP_i = b_i U + b_i' V  with two vectors U and V
-that a pair computes once. Where the nearest point is an end of the chunk, dt = 0 and psi turns with r.
+that a pair computes once. Where the nearest point is an end of the chunk, dt = 0 and psi turns with the
+stretched r, which depends on the tangent and on h as well.
 """
 
 from __future__ import annotations
@@ -19,10 +21,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from videovec.render.limits import BENT, NARROWEST, NEAREST, SLOWEST
+from videovec.compiling import compiled
+from videovec.render.limits import BENT, NARROWEST, NEAREST, SLOWEST, THINNEST
 
 __all__ = ["PARTIALS", "accumulate", "evaluate"]
 
@@ -32,7 +34,7 @@ PARTIALS = 5
 """Values that a pair leaves for the backward: U, V and dc/dh."""
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True)
 def _cubic(p: Array) -> tuple[Any, ...]:
     """Coefficients of t, t² and t³ of a segment relative to its first control point."""
     three = p.dtype.type(3)  # An integer would turn float32 into float64.
@@ -41,7 +43,7 @@ def _cubic(p: Array) -> tuple[Any, ...]:
     return x1, y1, x2, y2, p[3, 0] - p[0, 0] - x1 - x2, p[3, 1] - p[0, 1] - y1 - y2
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True)
 def _at(c: tuple[Any, ...], px: Any, py: Any, t: Any) -> tuple[Any, ...]:
     """From the curve to the pixel, and the curve's first and second derivative."""
     x1, y1, x2, y2, x3, y3 = c
@@ -52,7 +54,7 @@ def _at(c: tuple[Any, ...], px: Any, py: Any, t: Any) -> tuple[Any, ...]:
     return rx, ry, (u3 + w) * t + x1, (v3 + z) * t + y1, u3 + u3 + w, v3 + v3 + z
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True)
 def _trapezoid(m: Any, a: Any, b: Any, per_a: Any, per_b: Any, half: Any) -> tuple[Any, ...]:
     """Integral from 0 to m >= 0 of boxes of widths a >= b convolved; its derivatives by m, a and b."""
     flat = half * (a - b)
@@ -63,7 +65,7 @@ def _trapezoid(m: Any, a: Any, b: Any, per_a: Any, per_b: Any, half: Any) -> tup
     return integral, q * per_a * per_b, by_a, half * q * (q - b) * per_a * per_b * per_b
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True)
 def _profile(h: Any, d: Any, nx: Any, ny: Any, k: Any, limit: Any, half: Any) -> tuple[Any, ...]:
     """Coverage of a band of half-width h at distance d, and its derivatives by h, d and the angle of n."""
     one = half + half
@@ -79,7 +81,23 @@ def _profile(h: Any, d: Any, nx: Any, ny: Any, k: Any, limit: Any, half: Any) ->
     return far + sign * near, far_f + near_f, far_f - near_f, by_psi
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@compiled()
+def _stretch(p: Array, h: Any, k: Any, is_dot: bool) -> tuple[Any, Any, Any, Any]:
+    """Factors of distances from an end, in all directions and what is added along the tangent; their slopes by h."""
+    real = p.dtype.type
+    q = max(h / k, real(THINNEST))
+    if q < real(0.5):
+        m, slope = real(2 / 3) * q + real(0.5) / q, (real(2 / 3) - real(0.5) / (q * q)) / k
+    else:
+        m, slope = real(1) + real(1 / 12) / (q * q), -real(1 / 6) / (q * q * q * k)
+    if q == real(THINNEST):
+        slope = real(0)
+    if is_dot:
+        return np.sqrt(m), real(0), real(0.5) * slope / np.sqrt(m), real(0)
+    return real(1), m - real(1), real(0), slope
+
+
+@compiled(fastmath=True)
 def evaluate(
     control: Array, half_width: Array, ends: tuple[Any, Any], scale: float, pixels: tuple[Array, Array], out: Any
 ) -> None:
@@ -98,8 +116,12 @@ def evaluate(
     real = control.dtype.type
     zero, half, one, quarter, tiny = real(0), real(0.5), real(1), real(0.25), real(1e-12)
     slowest2, nearest, limit, bent, k = real(SLOWEST**2), real(NEAREST), real(NARROWEST), real(BENT), real(scale)
-    lo, hi = ends
     h0, dh = half_width[0], half_width[1] - half_width[0]
+    middle = half * (ends[0] + ends[1])
+    is_dot = np.abs(control - control[0]).max() < real(SLOWEST)
+    lo, hi = (middle, middle) if is_dot else ends
+    far_lo, more_lo, far_slope_lo, more_slope_lo = _stretch(control, h0 + dh * lo, k, is_dot)
+    far_hi, more_hi, far_slope_hi, more_slope_hi = _stretch(control, h0 + dh * hi, k, is_dot)
     x0, y0 = control[0, 0] - half, control[0, 1] - half
     cubic = _cubic(control)
     columns, rows = pixels
@@ -115,26 +137,43 @@ def evaluate(
 
         rx, ry, bx, by, ax, ay = _at(cubic, px, py, t)
         speed2 = bx * bx + by * by
-        d = np.sqrt(rx * rx + ry * ry)
-        per_d, per_speed = one / max(d, nearest), one / np.sqrt(max(speed2, slowest2))
-        is_inside = (t > lo) & (t < hi) & (speed2 > slowest2)
-        has_tangent = is_inside | ((d < nearest) & (speed2 > slowest2))
-        nx = -by * per_speed if has_tangent else (rx * per_d if d >= nearest else one)
-        ny = bx * per_speed if has_tangent else ry * per_d
+        bend = max(max(speed2 - rx * ax - ry * ay, bent * speed2), bent * slowest2)
+        has_speed = speed2 > slowest2
+        is_inside = (t > lo) & (t < hi) & has_speed
+        per_speed = one / np.sqrt(max(speed2, slowest2))
+        tx, ty = bx * per_speed, by * per_speed
+        u = rx * tx + ry * ty if has_speed else zero
+        v = ry * tx - rx * ty
+
+        # Around an end, r is stretched.
+        is_low = t < middle
+        far = one if is_inside else (far_lo if is_low else far_hi)
+        more = zero if is_inside else (more_lo if is_low else more_hi)
+        ex, ey = far * rx + more * u * tx, far * ry + more * u * ty
+        d = np.sqrt(ex * ex + ey * ey)
+        per_d = one / max(d, nearest)
+        has_tangent = is_inside | ((d < nearest) & has_speed)
+        nx = -ty if has_tangent else (ex * per_d if d >= nearest else one)
+        ny = tx if has_tangent else ey * per_d
         coverage, by_h, by_d, by_psi = _profile(h0 + dh * t, d, nx, ny, k, limit, half)
 
-        # psi turns with the tangent inside, with r at an end.
-        turn = by_psi * per_speed if has_tangent else zero
-        around = zero if (has_tangent | (d < nearest)) else by_psi * per_d * per_d
-        bend = max(max(speed2 - rx * ax - ry * ay, bent * speed2), bent * slowest2)
-        slide = (by_h * dh + turn * (nx * ax + ny * ay)) / bend if is_inside else zero
+        # psi turns with the tangent inside, with the stretched r at an end.
         along = -by_d * per_d
-        cs[i], hs[i] = coverage, by_h
-        uxs[i], uys[i] = along * rx + around * ry - slide * bx, along * ry - around * rx - slide * by
-        vxs[i], vys[i] = turn * nx + slide * rx, turn * ny + slide * ry
+        around = zero if (has_tangent | (d < nearest)) else by_psi * per_d * per_d
+        gx, gy = along * ex + around * ey, along * ey - around * ex
+        g_u, g_v = gx * tx + gy * ty, gy * tx - gx * ty
+        far_slope = zero if is_inside else (far_slope_lo if is_low else far_slope_hi)
+        more_slope = zero if is_inside else (more_slope_lo if is_low else more_slope_hi)
+        turn = (by_psi if has_tangent else zero) - more * (g_u * v + g_v * u)
+        turn = turn * per_speed if has_speed else zero
+        slide = (by_h * dh - turn * (ty * ax - tx * ay)) / bend if is_inside else zero
+        cs[i], hs[i] = coverage, by_h - far_slope * (gx * rx + gy * ry) - more_slope * u * g_u
+        more_g = more * g_u if has_speed else zero
+        uxs[i], uys[i] = far * gx + more_g * tx - slide * bx, far * gy + more_g * ty - slide * by
+        vxs[i], vys[i] = -turn * ty + slide * rx, turn * tx + slide * ry
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True)
 def accumulate(weight: Array, partials: tuple[Array, ...], grad_control: Array, grad_half_width: Array) -> None:
     """Add up the derivatives of one chunk's pairs, each times its ``weight``.
 

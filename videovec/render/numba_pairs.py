@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import torch
-from numba import njit
 from numpy.typing import NDArray
 
+from videovec.compiling import compiled
 from videovec.render.pairs import PIECES, SAG, Chunks, PairList
 from videovec.render.scene import Scene
 from videovec.threads import over_ranges
@@ -65,7 +65,7 @@ def _kept(begin: Array, count: Array) -> Array:
     return np.concatenate([np.arange(b, b + n) for b, n in zip(begin[:-1], count, strict=True)])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _polylines(curves: tuple[Array, Array, Array, Array], reach: float, part: tuple[int, int], out: Array) -> None:
     """Vertices of some chunks and how far around them their pixels lie, into ``out`` [K, PIECES + 1, 3]. px"""
     control, half_width, segment, bounds = curves
@@ -82,7 +82,7 @@ def _polylines(curves: tuple[Array, Array, Array, Array], reach: float, part: tu
         out[k, :, 2] = widest + reach + SAG
 
 
-@njit(cache=True, nogil=True, inline="always", error_model="numpy")
+@compiled(inline=True)
 def _span(polyline: Array, y: float) -> tuple[float, float]:
     """The stretch of a scan line that may lie within reach of a polyline; empty if the first exceeds the second. px"""
     left, right = np.inf, -np.inf
@@ -105,7 +105,7 @@ def _span(polyline: Array, y: float) -> tuple[float, float]:
     return left, right
 
 
-@njit(cache=True, nogil=True, inline="always", error_model="numpy")
+@compiled(inline=True)
 def _lines(polyline: Array, height: int) -> tuple[int, int]:
     """First scan line of a polyline, and the one after its last."""
     reach = polyline[0, 2]
@@ -113,7 +113,7 @@ def _lines(polyline: Array, height: int) -> tuple[int, int]:
     return int(max(0.0, np.floor(low - 0.5))), int(min(height - 1.0, np.ceil(high - 0.5))) + 1
 
 
-@njit(cache=True, nogil=True, inline="always", error_model="numpy")
+@compiled(inline=True)
 def _columns(polyline: Array, y: int, width: int) -> tuple[int, int]:
     """First column of a scan line that may be within reach, and the one after the last."""
     left, right = _span(polyline, y + 0.5)
@@ -122,7 +122,7 @@ def _columns(polyline: Array, y: int, width: int) -> tuple[int, int]:
     return int(max(0.0, np.ceil(left - 0.5))), int(min(width - 1.0, np.floor(right - 0.5))) + 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _count(polylines: Array, shape: tuple[int, int], part: tuple[int, int], count: Array) -> None:
     """The most pixels that some chunks can reach, into ``count`` [K]."""
     for k in range(part[0], part[1]):
@@ -134,7 +134,7 @@ def _count(polylines: Array, shape: tuple[int, int], part: tuple[int, int], coun
         count[k] = total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _fill(
     polylines: Array, bounds: Array, shape: tuple[int, int], part: tuple[int, int], out: tuple[Array, ...], count: Array
 ) -> None:
@@ -159,7 +159,7 @@ def _fill(
         count[k] = at - i
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True)
 def _nearest(line: Array, columns: Array, rows: Array, along: Array, squared: Array) -> None:
     """Squared distance of pixels to a polyline, px², and how far along it the nearest points lie, in [0, 1]."""
     real = line.dtype.type
@@ -178,7 +178,7 @@ def _nearest(line: Array, columns: Array, rows: Array, along: Array, squared: Ar
             squared[i] = min(squared[i], distance)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _compact(most: Array, starts: Array, x: Array, y: Array, t: Array) -> None:
     """Close the gaps between the chunks' pairs, in place."""
     for k in range(len(starts) - 1):
@@ -188,7 +188,7 @@ def _compact(most: Array, starts: Array, x: Array, y: Array, t: Array) -> None:
             t[starts[k] + i] = t[most[k] + i]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _index(
     lists: tuple[Array, ...], shape: tuple[int, int], part: tuple[int, int], out: tuple[Array, ...], found: Array
 ) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from videovec.render.limits import BENT, NARROWEST, NEAREST, SLOWEST
+from videovec.render.limits import BENT, NARROWEST, NEAREST, SLOWEST, THINNEST
 from videovec.render.pairs import PairList
 from videovec.render.scene import Scene
 
@@ -79,6 +79,9 @@ def pair_coverage(scene: Scene, pairs: PairList, scale: float) -> Tensor:
     lo = torch.where(interval[:, 0] >= bounds[:, 0], interval[:, 0], bounds[:, 0])
     hi = torch.where(interval[:, 1] <= bounds[:, 1], interval[:, 1], bounds[:, 1])
     control, half_width = scene.control[segment], scene.half_width[segment]
+    is_dot = (control.detach() - control.detach()[:, :1]).abs().amax(dim=(1, 2)) < SLOWEST
+    middle = (lo + hi).detach() / 2
+    is_visible, lo, hi = hi > lo, torch.where(is_dot, middle, lo), torch.where(is_dot, middle, hi)
     point = torch.stack([pairs.x, pairs.y], dim=-1).to(real) + 0.5
 
     with torch.no_grad():
@@ -88,7 +91,7 @@ def pair_coverage(scene: Scene, pairs: PairList, scale: float) -> Tensor:
         bend = torch.maximum(speed2 - (r * a).sum(-1), 0.25 * speed2 + 1e-12)
         t = torch.clamp(torch.clamp(pairs.t, lo, hi) + towards / bend, lo, hi)
         pairs.t.copy_(t)
-    return _coverage(control, half_width, (lo, hi), point, t, scale) * (hi > lo)
+    return _coverage((control, half_width, is_dot), (lo, hi), point, t, scale) * is_visible
 
 
 def _coefficients(control: Tensor) -> tuple[Tensor, Tensor, Tensor]:
@@ -107,9 +110,9 @@ def _relative(cubic: tuple[Tensor, Tensor, Tensor], offset: Tensor, t: Tensor) -
 
 
 def _coverage(
-    control: Tensor, half_width: Tensor, ends: tuple[Tensor, Tensor], point: Tensor, t: Tensor, scale: float
+    strokes: tuple[Tensor, Tensor, Tensor], ends: tuple[Tensor, Tensor], point: Tensor, t: Tensor, scale: float
 ) -> Tensor:
-    lo, hi = ends
+    (control, half_width, is_dot), (lo, hi) = strokes, ends
     cubic, offset = _coefficients(control), point - control[:, 0]
     r, b, a = _relative(cubic, offset, t)
     speed2 = (b * b).sum(-1)
@@ -120,18 +123,29 @@ def _coverage(
     t = torch.where(is_inside, attached, torch.where(t <= lo, lo, torch.where(t >= hi, hi, t)))
 
     r, b, _ = _relative(cubic, offset, t)
-    d2, speed2 = (r * r).sum(-1), (b * b).sum(-1)
+    speed2 = (b * b).sum(-1)
+    h = torch.lerp(half_width[:, 0], half_width[:, 1], t)
+    tangent = b / speed2.clamp(min=SLOWEST**2).sqrt()[:, None]
+    excess = _excess_mass(h, scale)
+    along = torch.where(is_inside | is_dot | (speed2 <= SLOWEST**2), 0, (excess - 1) * (r * tangent).sum(-1))
+    r = torch.where(is_dot, excess.sqrt(), 1)[:, None] * r + along[:, None] * tangent
+    d2 = (r * r).sum(-1)
     d = (d2 + 1e-24).sqrt() if d2.dtype == torch.float64 else (d2 + 1e-12).sqrt()
     has_tangent = (is_inside | (d < NEAREST)) & (speed2 > SLOWEST**2)
     has_direction = ~has_tangent & (d >= NEAREST)
-    across = torch.stack([-b[:, 1], b[:, 0]], dim=-1) / speed2.clamp(min=SLOWEST**2).sqrt()[:, None]
+    across = torch.stack([-tangent[:, 1], tangent[:, 0]], dim=-1)
     n = torch.where(has_tangent[:, None], across, r / d.clamp(min=NEAREST)[:, None])
     n = torch.where((has_tangent | has_direction)[:, None], n, n.new_tensor([1.0, 0.0]))
-    h = torch.lerp(half_width[:, 0], half_width[:, 1], t)
 
     wide, thin = n.abs().max(-1).values, n.abs().min(-1).values
     wide, thin = scale * wide, scale * thin.clamp(min=NARROWEST)
     return _from_middle(h - d, wide, thin) + _from_middle(h + d, wide, thin)
+
+
+def _excess_mass(h: Tensor, scale: float) -> Tensor:
+    """What the profile across a line would have around its end, in terms of half a disc: m in `limits`."""
+    q = (h / scale).clamp(min=THINNEST)
+    return torch.where(q < 0.5, (2 / 3) * q + 0.5 / q, 1 + (1 / 12) / (q * q))
 
 
 def _from_middle(z: Tensor, wide: Tensor, thin: Tensor) -> Tensor:
