@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 from videovec.clip import Clip
 from videovec.errors import FitError, InputError
 from videovec.page import Page, estimate_page, flatten, page_noise, unit_values
-from videovec.palette import Cores, core_masks, estimate_palette, magnitude, sample_cores
+from videovec.palette import SAME_COLOR, Cores, estimate_palette, find_cores, is_share, magnitude
 from videovec.progress import Progress, Silent
 from videovec.settings import InkSettings
 
 __all__ = ["Ink", "extract_ink"]
 
 Floats = NDArray[np.float32]
+
+NEARBY = 7.0
+"""How far along a line the ink that it shows is taken for its own. px"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,18 +109,18 @@ def _survey(
             f"{clip.name}: must show lines that differ from the page by {settings.least_contrast:.0%} of full, "
             f"got no ink (at most {strongest:.1%})"
         )
-    noises = [page_noise(d.mean(axis=2), (magnitude(d) > 0.25 * strongest).astype(np.uint8)) for d in deviations]
+    noises = [page_noise(deviation, strongest) for deviation in deviations]
     far, beside = (float(np.median([noise[k] for noise in noises])) for k in (0, 1))
     threshold = max(settings.least_contrast, 6 * max(far, beside), 0.15 * strongest)
-    cores = Cores.concatenate([sample_cores(deviation, threshold) for deviation in deviations])
-    return (far, beside), estimate_palette(cores, page.color)
+    cores = Cores.concatenate([find_cores(deviation, threshold)[1] for deviation in deviations])
+    return (far, beside), estimate_palette(cores, page.color, max(far, beside))
 
 
 def _read_drawing(
     deviation: Floats, inks: NDArray[np.float64], noise: tuple[float, float], settings: InkSettings
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """Coverage and label of one drawing. uint8 [H, W] each"""
-    label = _labels(deviation, inks, max(settings.least_contrast, 4 * max(noise)))
+    label = _labels(deviation, inks, max(noise), max(settings.least_contrast, 4 * max(noise)))
     scale = (inks / (inks**2).sum(axis=1, keepdims=True)).astype(np.float32)
     share = np.clip(np.einsum("hwc,hwc->hw", deviation, scale[label]), 0, 1)
     depth = magnitude(inks.astype(np.float32))[label]
@@ -125,32 +128,53 @@ def _read_drawing(
     return np.rint(share * 255).astype(np.uint8), label
 
 
-def _labels(deviation: Floats, inks: NDArray[np.float64], threshold: float) -> NDArray[np.uint8]:
-    """The ink of every pixel: cores by their colour, all others that of the nearest core. uint8 [H, W]"""
+def _labels(deviation: Floats, inks: NDArray[np.float64], noise: float, threshold: float) -> NDArray[np.uint8]:
+    """The ink of every pixel: cores by what they show, all others that of the nearest core. uint8 [H, W]"""
     if len(inks) == 1:
         return np.zeros(deviation.shape[:2], np.uint8)
-    core, wide = core_masks(deviation, threshold)
+    core, cores = find_cores(deviation, threshold)
     if not core.any():
         return np.zeros(deviation.shape[:2], np.uint8)
-    best = np.zeros(core.shape, np.uint8)
-    best[core] = _nearest_ink(deviation[core], wide[core], inks)
-    _, nearest = cv2.distanceTransformWithLabels(
-        (~core).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
+    label = np.zeros(core.shape, np.uint8)
+    label[core], shows = _closest_ink(cores, inks)
+    if shows.any():
+        shown = np.zeros(core.shape, np.bool_)
+        shown[core] = shows
+        nearest, distance = _nearest(shown)
+        candidate = label.ravel()[nearest]
+        fits = np.zeros(core.shape, np.bool_)
+        for index, ink in enumerate(inks):
+            mine = core & (candidate == index) & (distance <= NEARBY)
+            fits[mine] = is_share(deviation[mine].astype(np.float64), ink[None], noise)
+        label = np.where(fits & ~shown, candidate, label)
+    nearest, _ = _nearest(core)
+    return label.ravel()[nearest]
+
+
+def _nearest(mask: NDArray[np.bool_]) -> tuple[NDArray[np.intp], Floats]:
+    """Flat index of the nearest pixel of a mask, and its distance. [H, W] each, px"""
+    distance, name = cv2.distanceTransformWithLabels(
+        (~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
     )
-    of_label = np.zeros(int(nearest.max()) + 1, np.uint8)
-    of_label[nearest[core]] = best[core]
-    label: NDArray[np.uint8] = of_label[nearest]
-    return label
+    place = np.zeros(int(name.max()) + 1, np.intp)
+    place[name[mask]] = np.flatnonzero(mask)
+    return place[name], np.asarray(distance, np.float32)
 
 
-def _nearest_ink(deviation: Floats, wide: NDArray[np.bool_], inks: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """The ink of each core: a plateau shows its colour itself, a thin line a share of it. uint8 [N]"""
-    costs = []
+def _closest_ink(cores: Cores, inks: NDArray[np.float64]) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
+    """The ink of each core by its colour: one that shows its ink has it, another a share of it.
+
+    Returns:
+        The ink, uint8 [N], and whether it is shown, bool [N].
+    """
+    whole = np.stack([np.linalg.norm(cores.deviation - ink, axis=1) for ink in inks.astype(np.float32)])
+    shows = cores.is_plateau | cores.is_certain | (cores.is_resolved & (whole.min(axis=0) < 0.5 * SAME_COLOR))
+    partly = []
     for ink in inks.astype(np.float32):
-        share = np.where(wide, 1, np.clip(deviation @ (ink / (ink @ ink)), 0, 1))
-        costs.append(np.linalg.norm(deviation - share[:, None] * ink, axis=1) - 1e-3 * np.linalg.norm(ink))
-    best: NDArray[np.uint8] = np.argmin(costs, axis=0).astype(np.uint8)
-    return best
+        share = np.clip(cores.deviation @ (ink / (ink @ ink)), 0, 1)
+        partly.append(np.linalg.norm(cores.deviation - share[:, None] * ink, axis=1) - 1e-3 * np.linalg.norm(ink))
+    best = np.where(shows, whole.argmin(axis=0), np.argmin(partly, axis=0))
+    return best.astype(np.uint8), shows
 
 
 def _is_ink(size: Floats, noise: tuple[float, float], settings: InkSettings) -> NDArray[np.bool_]:

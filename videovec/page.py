@@ -19,7 +19,19 @@ SAMPLE = 200_000
 """Number of pixels from which statistics are taken."""
 
 FLAT = 2.0 / 255
-"""Shading that varies by no more than this is left alone, so that a clean page stays exact."""
+"""Blocks that differ from the page by no more than this are even, so that a clean page stays exact."""
+
+BLOCKS = 32
+"""Number of blocks along the shorter side, of each of which the median colour is taken."""
+
+SLIGHT = 0.15
+"""Blocks that differ from the page by less than this are shaded; by more, inked."""
+
+LEAST_SHADED = 0.05
+"""Share of shaded blocks from which the page counts as uneven."""
+
+LARGEST_NOISE = 0.08
+"""Largest standard deviation that is taken for noise."""
 
 DEGREE = 4
 """Of the polynomial that shading is described by: enough for a gradient with a vignette."""
@@ -83,17 +95,14 @@ def flatten(image: Floats, page: Page) -> Floats:
     """
     if not page.flatten:
         return image
-    surfaces = _shading(image, page)
-    ends = np.linspace(0, 1, 17)
-    coarse = np.stack([_evaluate(surface, ends, ends) for surface in surfaces], axis=2)
-    if np.abs(coarse - page.color).max() <= FLAT:
+    medians = _block_medians(image)
+    departure = np.abs(medians - page.color).max(axis=2)
+    if np.mean((departure > FLAT) & (departure < SLIGHT)) < LEAST_SHADED:
         return image
-    height, width = image.shape[:2]
-    x, y = (np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height
     flat = np.empty_like(image)
     is_light = page.color.mean() >= 0.5
-    for channel, surface in enumerate(surfaces):
-        shading = _evaluate(surface, x, y).astype(np.float32)
+    for channel, blocks in enumerate(np.moveaxis(_shading(medians), 2, 0)):
+        shading = _enlarged(blocks, image.shape[:2])
         color, values = np.float32(page.color[channel]), image[..., channel]
         if is_light:
             flat[..., channel] = values * (color / np.maximum(shading, 1e-3))
@@ -102,63 +111,75 @@ def flatten(image: Floats, page: Page) -> Floats:
     return np.clip(flat, 0, 1)
 
 
-def _shading(image: Floats, page: Page) -> NDArray[np.float64]:
-    """The page's colour as a smooth surface through the pixels that carry no ink.
+def _block_medians(image: Floats) -> NDArray[np.float64]:
+    """Median colour of every block of a grid over the page. [rows, columns, 3]
 
-    Iteratively reweighted least squares from block medians; ink is an outlier.
-
-    Returns:
-        Coefficients of x^i y^j for each channel, x and y in [0, 1]. [3, DEGREE + 1, DEGREE + 1]
+    The page is stretched to whole blocks, so that the grid covers it evenly.
     """
-    height, width = image.shape[:2]
-    block = max(1, min(height, width) // 32)
-    rows, columns = height // block, width // block
+    block = max(1, min(image.shape[:2]) // BLOCKS)
     stride = max(1, block // 6)
-    cropped = image[: rows * block, : columns * block].reshape(rows, block, columns, block, 3)[:, ::stride, :, ::stride]
-    medians = np.median(cropped.transpose(0, 2, 4, 1, 3).reshape(rows * columns, 3, -1), axis=2)
-    y, x = np.meshgrid(
-        (np.arange(rows) + 0.5) * block / height, (np.arange(columns) + 0.5) * block / width, indexing="ij"
-    )
-    powers = [(i, j) for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i)]
-    basis = np.stack([x.ravel() ** i * y.ravel() ** j for i, j in powers], axis=1)
-    residual = np.abs(medians - page.color).max(axis=1)
-    for _ in range(12):
-        scale = max(0.004, 1.5 * float(np.median(residual)))
-        weight = (1 / (1 + (residual / scale) ** 4))[:, None]
-        coefficients, *_ = np.linalg.lstsq(basis * weight, medians * weight, rcond=None)
-        residual = np.abs(medians - basis @ coefficients).max(axis=1)
-    surfaces = np.zeros((3, DEGREE + 1, DEGREE + 1))
-    for (i, j), term in zip(powers, coefficients, strict=True):
-        surfaces[:, j, i] = term
-    return surfaces
+    rows, columns = (round(side / block) for side in image.shape[:2])
+    per_block = -(-block // stride)
+    grid = cv2.resize(image, (columns * per_block, rows * per_block), interpolation=cv2.INTER_NEAREST)
+    blocks = grid.reshape(rows, per_block, columns, per_block, 3).transpose(0, 2, 4, 1, 3)
+    medians: NDArray[np.float64] = np.median(blocks.reshape(rows, columns, 3, -1), axis=3).astype(np.float64)
+    return medians
 
 
-def _evaluate(surface: NDArray[np.float64], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A polynomial surface on a grid. [len(y), len(x)]"""
-    powers = np.arange(DEGREE + 1)
-    return np.clip((y[:, None] ** powers) @ surface @ (x[:, None] ** powers).T, 0, 1)
+def _enlarged(blocks: NDArray[np.float64], size: tuple[int, ...]) -> Floats:
+    """Values of blocks, at every pixel; continued in straight lines beyond the outermost centres. [H, W]"""
+    padded = np.pad(blocks, 1, mode="reflect", reflect_type="odd").astype(np.float32)
+    y, x = ((np.arange(side) + 0.5) * count / side + 0.5 for side, count in zip(size, blocks.shape, strict=True))
+    columns, rows = np.meshgrid(x.astype(np.float32), y.astype(np.float32))
+    return np.asarray(cv2.remap(padded, columns, rows, cv2.INTER_CUBIC), np.float32)
 
 
-def page_noise(deviation: Floats, ink: NDArray[np.uint8]) -> tuple[float, float]:
-    """Noise of the page, far from ink and beside it.
+def _shading(medians: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The page's colour at every block: a smooth surface through the blocks that carry no ink.
 
-    Lossy codecs ring beside lines, so two numbers are needed. The page is smooth: a second difference sees noise
-    alone (see ``decode_holds.compression_noise``).
+    A polynomial by iteratively reweighted least squares, to which ink is an outlier; then what it leaves, smoothed.
 
     Args:
-        deviation: Distance of every pixel from the page's colour. [H, W]
-        ink: Nonzero where there surely is ink. uint8 [H, W]
+        medians: Median colours. [rows, columns, 3]
+    """
+    rows, columns = medians.shape[:2]
+    y, x = np.meshgrid(np.linspace(-1, 1, rows), np.linspace(-1, 1, columns), indexing="ij")
+    powers = [(i, j) for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i)]
+    basis = np.stack([x.ravel() ** i * y.ravel() ** j for i, j in powers], axis=1)
+    colors = medians.reshape(-1, 3)
+    weight = np.ones((len(basis), 1))
+    for step in range(16):
+        coefficients, *_ = np.linalg.lstsq(basis * weight, colors * weight, rcond=None)
+        residual = np.abs(colors - basis @ coefficients).max(axis=1, keepdims=True)
+        scale = max(0.004, 1.5 * float(np.median(residual)))
+        # First least absolute deviations, which a bad start does not mislead; then ink is left out altogether.
+        weight = 1 / np.sqrt(np.maximum(residual, 1e-3)) if step < 8 else 1 / (1 + (residual / scale) ** 4)
+    surface = (basis @ coefficients).reshape(medians.shape)
+    trust = (1 / (1 + (residual / (2 * scale)) ** 4)).reshape(rows, columns, 1)
+    left = cv2.GaussianBlur((medians - surface) * trust, (0, 0), 1.5)
+    surface += left / np.maximum(cv2.GaussianBlur(trust, (0, 0), 1.5)[..., None], 0.05)
+    return np.clip(surface, 0, 1)
+
+
+def page_noise(deviation: Floats, strongest: float) -> tuple[float, float]:
+    """Noise of the page, far from ink and beside it, where lossy codecs ring.
+
+    Args:
+        deviation: Value less page. [H, W, 3]
+        strongest: Largest deviation of ink.
 
     Returns:
-        Standard deviation far from ink, and beside it, in the unit of ``deviation``.
+        Root mean square deviation far from ink, and 2 to 7 px beside it.
     """
-    near, wide = (cv2.dilate(ink, np.ones((2 * r + 1, 2 * r + 1), np.uint8)) > 0 for r in (3, 10))
-    return _spread(deviation[~wide]), _spread(deviation[wide & ~near])
+    signed = deviation.mean(axis=2)
+    size = np.abs(signed)
+    spread = min(LARGEST_NOISE, float(np.quantile(size, 0.75)) / 0.674)  # a page at white shows half of its noise
+    ink = (size > max(0.25 * strongest, 4 * spread)).astype(np.uint8)
+    near, wide = (cv2.dilate(ink, np.ones((2 * r + 1, 2 * r + 1), np.uint8)) > 0 for r in (2, 7))
+    faint = size < max(0.1 * strongest, 4 * spread)
+    return _rms(signed[~wide & faint]), _rms(signed[wide & ~near & faint])
 
 
-def _spread(values: Floats) -> float:
-    """Root mean square of the smaller 95 % of values; 0 of none."""
-    if not len(values):
-        return 0.0
-    kept = np.sort(np.abs(values))[: max(1, int(0.95 * len(values)))]
-    return float(np.sqrt(np.mean(kept.astype(np.float64) ** 2)))
+def _rms(values: Floats) -> float:
+    """Root mean square; 0 of none."""
+    return float(np.sqrt(np.mean(values.astype(np.float64) ** 2))) if len(values) else 0.0

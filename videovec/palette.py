@@ -1,14 +1,13 @@
-"""Which inks a clip is drawn with.
+"""Which inks a clip is drawn with, and which pixels show them.
 
-Only the cores of lines are asked: edges are mixtures with the page, and lossy chroma frays them. A core is *wide*
-where its surroundings have its own colour, on lines of about 2.5 px and more; such a plateau shows the ink itself. A
-thin line shows only a lower bound of its ink's depth: a hairline of black ink and a wider line of grey ink look the
-same. The rule for thin lines:
+Only the cores of lines are asked: edges are mixtures with the page, and lossy chroma frays them. A core *shows* its ink
+where its surroundings have its own colour (a plateau, on lines of about 2.5 px and more), or where the line's ink (mass
+per length) is at least ``RESOLVED`` times its peak, so that it is wider than a pixel; unless it runs along the rows of
+pixels or their diagonals, where a hairline may spread evenly over two. A thinner line shows only a lower bound of its
+ink's depth: a hairline of black ink and a wider line of grey ink look the same. The rule for those:
 
-1. If a wide ink of the same hue and at least their depth exists, they are drawn with it.
-2. Else, if their ink (mass per length) is at least ``RESOLVED`` times their peak, they are wider than a pixel, so
-   that their peak is the ink's depth.
-3. Else, or if their peak comes near it, they are drawn with the deepest colour of their hue: black, for greys.
+1. If an ink of the same hue and at least their depth is shown elsewhere, they are drawn with it.
+2. Else they are drawn with the deepest colour of their hue: black, for greys.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cores", "core_masks", "estimate_palette", "magnitude", "sample_cores"]
+__all__ = ["SAME_COLOR", "Cores", "estimate_palette", "find_cores", "is_share", "magnitude"]
 
 Floats = NDArray[np.float32]
 
@@ -28,23 +27,34 @@ MOST_INKS = 8
 """Largest number of inks of a clip."""
 
 SAME_COLOR = 0.17
-"""Wide cores within this distance, over all channels, are of one ink."""
+"""Cores within this distance, over all channels, are of one ink."""
 
 SAME_HUE = math.radians(15)
 """Lines whose deviation from the page has the same direction to within this are of one hue."""
 
-LEAST_SHARE = 0.01
-"""Share of all cores that an ink must have."""
+PLATEAU_SHARE = 0.002
+"""Share of all cores that must lie on plateaus of one colour to make an ink."""
 
-RESOLVED = 1.6
+THIN_SHARE = 0.03
+"""Share of all cores that an ink without a plateau must have."""
+
+RESOLVED = 1.4
 """Mass over peak from which a line is wider than a pixel. px"""
 
-NEARLY_DEEPEST = 0.85
-"""A thin line that comes this near to the deepest colour of its hue is drawn with it."""
+TWO_ROWS = 2.4
+"""Mass over peak beyond that of a hairline on the border of two rows. px"""
 
+NEARLY_DEEPEST = 0.85
+"""A line under 2.5 px that comes this near to the deepest colour of its hue is drawn with it."""
 
 LENGTH_PER_PIXEL = 1.12
 """Mean length of a digital line per pixel of its skeleton, over all directions. px"""
+
+OBLIQUE = 0.25
+"""Sine of four times a line's angle from which it is oblique."""
+
+REACH = 7
+"""Side of the window in which the mass and peak of a line are taken. px"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,26 +63,25 @@ class Cores:
 
     Args:
         deviation: Value less page. [N, 3]
-        is_wide: Whether each lies on a plateau. bool [N]
-        mass: Magnitude summed across the line. [N] px
+        is_plateau: Whether each lies in surroundings of its own colour. bool [N]
+        is_resolved: Whether each seems to show the ink of a line wider than a pixel. bool [N]
+        is_certain: Whether each does, and is no hairline on the border of two rows of pixels. bool [N]
     """
 
     deviation: Floats
-    is_wide: NDArray[np.bool_]
-    mass: Floats
+    is_plateau: NDArray[np.bool_]
+    is_resolved: NDArray[np.bool_]
+    is_certain: NDArray[np.bool_]
 
     @staticmethod
     def concatenate(parts: list[Cores]) -> Cores:
         """Cores of several drawings."""
         return Cores(
             np.concatenate([part.deviation for part in parts]),
-            np.concatenate([part.is_wide for part in parts]),
-            np.concatenate([part.mass for part in parts]),
+            np.concatenate([part.is_plateau for part in parts]),
+            np.concatenate([part.is_resolved for part in parts]),
+            np.concatenate([part.is_certain for part in parts]),
         )
-
-    def select(self, which: NDArray[np.bool_]) -> Cores:
-        """Some of the cores."""
-        return Cores(self.deviation[which], self.is_wide[which], self.mass[which])
 
 
 def magnitude(deviation: Floats) -> Floats:
@@ -81,66 +90,79 @@ def magnitude(deviation: Floats) -> Floats:
     return size
 
 
-def core_masks(deviation: Floats, threshold: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Pixels in the middle of lines, and which of them lie on a plateau.
+def find_cores(deviation: Floats, threshold: float) -> tuple[NDArray[np.bool_], Cores]:
+    """Pixels in the middle of lines, and what they show.
 
     Args:
         deviation: Value less page. [H, W, 3]
         threshold: Magnitude under which there is only noise.
 
     Returns:
-        Cores, and wide cores among them. bool [H, W] each
+        Where they are, bool [H, W], and what they show, in the order of the array.
     """
     size = magnitude(deviation)
     core = (size > threshold) & (size >= 0.9 * cv2.dilate(size, np.ones((3, 3), np.uint8)))
     rows, columns = np.nonzero(core)
-    own = deviation[rows, columns]
+    own, peak = deviation[rows, columns], size[rows, columns]
     alike = np.zeros(len(rows), np.int8)
     for dy, dx in ((-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)):
         y, x = np.clip(rows + dy, 0, core.shape[0] - 1), np.clip(columns + dx, 0, core.shape[1] - 1)
-        alike += magnitude(deviation[y, x] - own) <= 0.2 * size[rows, columns]
-    wide = np.zeros_like(core)
-    wide[rows, columns] = alike >= 6
-    return core, wide
+        alike += magnitude(deviation[y, x] - own) <= 0.2 * peak
+    nearby = cv2.dilate(size, np.ones((REACH, REACH), np.uint8))[rows, columns]
+    width = np.where(peak >= 0.95 * nearby, _mass(size, threshold)[rows, columns] / peak, 0)
+    certain = (width >= TWO_ROWS) | ((width >= RESOLVED) & _is_oblique(size)[rows, columns])
+    return core, Cores(own, alike >= 6, width >= RESOLVED, certain)
 
 
-def sample_cores(deviation: Floats, threshold: float) -> Cores:
-    """The cores of a drawing, with the mass of their lines.
+def _is_oblique(size: Floats) -> NDArray[np.bool_]:
+    """Whether lines run neither along the rows of pixels nor along their diagonals. bool [H, W]
 
-    Args:
-        deviation: Value less page. [H, W, 3]
-        threshold: Magnitude under which there is only noise.
+    A hairline that does may lie on the border of two rows all the way, and then looks like a grey line of two pixels.
     """
-    core, wide = core_masks(deviation, threshold)
-    size = magnitude(deviation)
+    dx, dy = cv2.Sobel(size, cv2.CV_32F, 1, 0), cv2.Sobel(size, cv2.CV_32F, 0, 1)
+    xx, xy, yy = (cv2.blur(product, (REACH, REACH)) for product in (dx * dx, dx * dy, dy * dy))
+    oblique: NDArray[np.bool_] = np.abs(np.sin(2 * np.arctan2(2 * xy, xx - yy))) > OBLIQUE
+    return oblique
+
+
+def _mass(size: Floats, threshold: float) -> Floats:
+    """Ink per length of the lines around each pixel. [H, W] magnitude times px"""
     line = (size > threshold) & (size > 0.5 * cv2.dilate(size, np.ones((5, 5), np.uint8)))
     skeleton = cv2.ximgproc.thinning(line.astype(np.uint8) * 255) > 0
-    ink = cv2.boxFilter(size, cv2.CV_32F, (7, 7), normalize=False)
-    length = cv2.boxFilter(skeleton.astype(np.float32), cv2.CV_32F, (7, 7), normalize=False) * LENGTH_PER_PIXEL
-    return Cores(deviation[core], wide[core], (ink / np.maximum(length, 1))[core])
+    ink = cv2.boxFilter(size, cv2.CV_32F, (REACH, REACH), normalize=False)
+    pixels = cv2.boxFilter(skeleton.astype(np.float32), cv2.CV_32F, (REACH, REACH), normalize=False)
+    mass: Floats = ink / np.maximum(1, pixels * LENGTH_PER_PIXEL)
+    return mass
 
 
-def estimate_palette(cores: Cores, page: NDArray[np.float64]) -> NDArray[np.float64]:
+def estimate_palette(cores: Cores, page: NDArray[np.float64], noise: float) -> NDArray[np.float64]:
     """The inks of a clip.
 
     Args:
         cores: Cores of its lines.
         page: Colour of its page, sRGB in [0, 1]. [3]
+        noise: Standard deviation of its noise, sRGB in [0, 1].
 
     Returns:
-        Colours, sRGB in [0, 1], the most used first. [I, 3]
+        Colours, sRGB in [0, 1]. [I, 3]
     """
-    least = max(8, LEAST_SHARE * len(cores.deviation))
-    inks = _wide_inks(cores.deviation[cores.is_wide].astype(np.float64), least)
-    thin = cores.select(~cores.is_wide & ~_is_explained(cores.deviation, inks))
-    inks = np.concatenate([inks, _thin_inks(thin, page, least)])[:MOST_INKS]
+    total = len(cores.deviation)
+    colors = cores.deviation.astype(np.float64)
+    inks = _shown_inks(colors[cores.is_plateau], max(12, PLATEAU_SHARE * total))
+    resolved = colors[cores.is_certain & ~cores.is_plateau]
+    for ink in inks:
+        resolved = resolved[np.linalg.norm(resolved - ink, axis=1) > SAME_COLOR + 3 * noise]
+    thin = [_or_deepest(ink, page) for ink in _shown_inks(resolved, max(8, THIN_SHARE * total))]
+    inks = _distinct([*inks, *thin])
+    rest = colors[~is_share(colors, inks, noise)]
+    inks = _distinct([*inks, *_thin_inks(rest, page, max(8, THIN_SHARE * total))])[:MOST_INKS]
     if not len(inks):
-        inks = _thin_inks(cores, page, 1)
+        inks = _thin_inks(colors, page, 1)[:1]
     return np.clip(page + inks, 0, 1)
 
 
-def _wide_inks(colors: NDArray[np.float64], least: float) -> NDArray[np.float64]:
-    """Deviations around which wide cores crowd, the most frequent first. [I, 3]"""
+def _shown_inks(colors: NDArray[np.float64], least: float) -> NDArray[np.float64]:
+    """Deviations around which colours crowd, the most frequent first. [I, 3]"""
     inks: list[NDArray[np.float64]] = []
     while len(colors) >= least and len(inks) < MOST_INKS:
         bins = np.floor(colors * 16).astype(np.intp) + 16
@@ -155,30 +177,39 @@ def _wide_inks(colors: NDArray[np.float64], least: float) -> NDArray[np.float64]
     return np.array(inks).reshape(-1, 3)
 
 
-def _is_explained(deviation: Floats, inks: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether each deviation is a share of an ink. bool [N]"""
+def _distinct(inks: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Inks without those that are like an earlier one. [I, 3]"""
+    kept: list[NDArray[np.float64]] = []
+    for ink in inks:
+        if all(np.linalg.norm(ink - other) > SAME_COLOR for other in kept):
+            kept.append(ink)
+    return np.array(kept).reshape(-1, 3)
+
+
+def is_share(deviation: NDArray[np.float64], inks: NDArray[np.float64], noise: float) -> NDArray[np.bool_]:
+    """Whether each deviation is that of a pixel that some ink covers in part. bool [N]"""
     explained = np.zeros(len(deviation), np.bool_)
     for ink in inks:
-        share = deviation @ (ink / (ink @ ink))
-        explained |= (_angle(deviation, ink) < SAME_HUE) & (share < 1.1)
+        along = deviation @ (ink / np.linalg.norm(ink))
+        explained |= (_angle(deviation, ink) < SAME_HUE) & (along < 1.15 * np.linalg.norm(ink) + 5 * noise)
     return explained
 
 
-def _angle(deviation: Floats, direction: NDArray[np.float64]) -> NDArray[np.float64]:
+def _angle(deviation: NDArray[np.float64], direction: NDArray[np.float64]) -> NDArray[np.float64]:
     cosine = deviation @ direction / np.maximum(1e-9, np.linalg.norm(deviation, axis=1) * np.linalg.norm(direction))
     angle: NDArray[np.float64] = np.arccos(np.clip(cosine, -1, 1))
     return angle
 
 
-def _thin_inks(cores: Cores, page: NDArray[np.float64], least: float) -> NDArray[np.float64]:
-    """Inks of lines that have no plateau, hue by hue. [I, 3]"""
+def _thin_inks(deviation: NDArray[np.float64], page: NDArray[np.float64], least: float) -> NDArray[np.float64]:
+    """Inks of lines that show none, hue by hue. [I, 3]"""
     inks: list[NDArray[np.float64]] = []
-    while len(cores.deviation) >= least and len(inks) < MOST_INKS:
-        direction = _frequent_direction(cores.deviation.astype(np.float64))
-        same = _angle(cores.deviation, direction) < SAME_HUE
-        if same.sum() >= least:
-            inks.append(direction * _thin_depth(cores.select(same), page, direction))
-        cores = cores.select(_angle(cores.deviation, direction) >= 1.3 * SAME_HUE)
+    while len(deviation) >= least and len(inks) < MOST_INKS:
+        direction = _frequent_direction(deviation)
+        angle = _angle(deviation, direction)
+        if np.count_nonzero(angle < SAME_HUE) >= least:
+            inks.append(direction * _deepest(direction, page))
+        deviation = deviation[angle >= 1.3 * SAME_HUE]
     return np.array(inks).reshape(-1, 3)
 
 
@@ -186,23 +217,24 @@ def _frequent_direction(deviation: NDArray[np.float64]) -> NDArray[np.float64]:
     """Unit vector around which deviations crowd, strong ones first. [3]"""
     size = np.linalg.norm(deviation, axis=1, keepdims=True)
     units = deviation / np.maximum(size, 1e-9)
-    bins = np.rint(units * 6).astype(np.intp) + 6
-    keys = bins @ np.array([169, 13, 1])
-    direction = units[keys == np.bincount(keys, weights=size[:, 0]).argmax()].mean(axis=0)
+    keys = (np.rint(units * 6).astype(np.intp) + 6) @ np.array([169, 13, 1])
+    direction: NDArray[np.float64] = units[keys == np.bincount(keys, weights=size[:, 0]).argmax()].mean(axis=0)
     for _ in range(5):
         near = (units @ direction) / np.linalg.norm(direction) > math.cos(SAME_HUE)
         direction = (deviation[near] * size[near]).sum(axis=0)
         direction = direction / np.linalg.norm(direction)
-    unit: NDArray[np.float64] = direction
-    return unit
+    return direction
 
 
-def _thin_depth(cores: Cores, page: NDArray[np.float64], direction: NDArray[np.float64]) -> float:
-    """How far from the page the ink of thin lines lies along a unit vector: rules 2 and 3."""
+def _deepest(direction: NDArray[np.float64], page: NDArray[np.float64]) -> float:
+    """How far from the page colours go along a unit vector."""
+    moves = np.abs(direction) > 1e-3
     room = np.where(direction < 0, page, 1 - page)
-    deepest = float(np.min(room[np.abs(direction) > 1e-3] / np.abs(direction[np.abs(direction) > 1e-3])))
-    peak = float(np.quantile(cores.deviation @ direction, 0.98))
-    mass = float(np.median(cores.mass)) * math.sqrt(3)
-    if peak >= NEARLY_DEEPEST * deepest or mass < RESOLVED * peak:
-        return deepest
-    return peak
+    return float(np.min(room[moves] / np.abs(direction[moves])))
+
+
+def _or_deepest(ink: NDArray[np.float64], page: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The ink of a thin line, or the deepest of its hue if it comes near that."""
+    size = float(np.linalg.norm(ink))
+    deepest = _deepest(ink / size, page)
+    return ink * (deepest / size) if size >= NEARLY_DEEPEST * deepest else ink
