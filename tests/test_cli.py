@@ -255,6 +255,66 @@ def test_wrong_usage_exits_2(videovec: Command, command: list[str]) -> None:
     assert videovec(*command).exit_code == 2
 
 
+def test_export_writes_other_files_from_the_same_strokes(videovec: Command, gif: Path) -> None:
+    folder = gif.parent / "clip_videovec"
+    assert videovec("track", gif, "-s", "pipeline=good").exit_code == 0
+    assert {path.name for path in folder.iterdir()} == {"run.json", "tracks.npz", "tracks.json"}
+    strokes = (folder / "tracks.npz").read_bytes()
+    result = videovec("export", folder, "-f", "svg", "--svg-style", "outline")
+    assert result.exit_code == 0, result.stderr
+    assert "3 files written" in result.stdout
+    assert (folder / "svg" / "frame_0003.svg").exists()
+    assert not (folder / "clip.json").exists()
+    assert (folder / "tracks.npz").read_bytes() == strokes
+
+
+def test_export_shows_the_strokes_alone_where_the_clip_has_moved_away(videovec: Command, gif: Path) -> None:
+    folder = gif.parent / "clip_videovec"
+    videovec("track", gif, "-s", "pipeline=good")
+    gif.unlink()
+    result = videovec("export", folder, "-f", "preview", "-o", gif.parent / "film")
+    assert result.exit_code == 0, result.stderr
+    assert "the clip is missing" in result.stderr
+    assert (gif.parent / "film" / "preview.mp4").stat().st_size > 0
+
+
+@pytest.mark.parametrize("command", ["export", "view", "compare"])
+def test_a_folder_without_a_finished_run_is_the_users_mistake(videovec: Command, gif: Path, command: str) -> None:
+    result = videovec(command, gif.parent)
+    assert result.exit_code == 2
+    assert "must be the folder of a run" in result.stderr
+    videovec("run", gif, "-s", "pipeline=wrong")
+    result = videovec(command, gif.parent / "clip_videovec")
+    assert result.exit_code == 2
+    assert "one that is failed" in result.stderr
+
+
+def test_an_unknown_format_is_told_with_a_suggestion(videovec: Command, gif: Path) -> None:
+    videovec("track", gif, "-s", "pipeline=good")
+    result = videovec("export", gif.parent / "clip_videovec", "-f", "lotie")
+    assert result.exit_code == 2
+    assert "did you mean 'lottie'?" in result.stderr
+
+
+def test_compare_puts_runs_side_by_side(videovec: Command, gif: Path) -> None:
+    videovec("track", gif, "-s", "pipeline=good", "-o", "a")
+    videovec("track", gif, "-s", "pipeline=good", "-o", "b", "--frames", "1:2")
+    compared = json.loads(videovec("compare", "a", "b", "--json").stdout)
+    assert (compared["a"]["frames"], compared["b"]["frames"]) == (3, 2)
+    assert "strokes" in videovec("compare", "a", "b").stdout
+
+
+def test_view_names_the_preview(videovec: Command, gif: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("typer.launch", opened.append)
+    videovec("run", gif, "-s", "pipeline=good")
+    result = videovec("view", gif.parent / "clip_videovec")
+    assert result.exit_code == 0, result.stderr
+    assert opened == [str(gif.parent / "clip_videovec" / "preview.mp4")]
+    (gif.parent / "clip_videovec" / "preview.mp4").unlink()
+    assert videovec("view", gif.parent / "clip_videovec").exit_code == 2
+
+
 def test_doctor_finds_this_machine_able(videovec: Command) -> None:
     result = videovec("doctor", "--json")
     assert result.exit_code == 0, result.output

@@ -36,7 +36,8 @@ ORDER = (
     ("write",),
     ("export",),
     ("doctor", "run_folder", "quality"),
-    ("run",),
+    ("run", "finished_run"),
+    ("bench",),
     ("options", "console"),
     ("cli",),
 )

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -21,12 +22,14 @@ from videovec.options import (
     DryRun,
     Exit,
     Force,
+    Formats,
     Frames,
     Fresh,
     MaxError,
     Out,
     Preset,
     Quiet,
+    RunPath,
     Seed,
     Settings,
     Source,
@@ -123,6 +126,85 @@ def run(
 
 
 @app.command()
+def track(
+    clip: Source,
+    out: Out = None,
+    frames: Frames = None,
+    preset: Preset = None,
+    settings: Settings = None,
+    device: Device = None,
+    seed: Seed = None,
+    max_error: MaxError = None,
+    fresh: Fresh = False,
+    force: Force = False,
+    dry_run: DryRun = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Vectorise a clip, and write its tracks alone."""
+    from videovec.run import Request
+
+    request = Request(
+        source=clip,
+        out=out,
+        config=_config(preset, settings, {"render.device": device, "seed": seed}),
+        frames=parse_frames(frames),
+        resume=not fresh,
+        force=force,
+        formats=("npz", "json"),
+    )
+    _carry_out(request, dry_run=dry_run, as_json=as_json, quiet=quiet, max_error=max_error)
+
+
+@app.command()
+def export(
+    run: RunPath,
+    formats: Formats = None,
+    out: Out = None,
+    settings: Settings = None,
+    svg_style: SvgStyle = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write the strokes of a finished run again, in any format and style, without fitting."""
+    from videovec.export import FORMATS
+    from videovec.finished_run import FinishedRun
+
+    overrides = [*(settings or []), *([f"export.svg_style={svg_style}"] if svg_style else [])]
+    with progress_on(quiet=quiet) as progress:
+        written = FinishedRun.open(run).export(formats or FORMATS, overrides, out, progress)
+    if as_json:
+        typer.echo(json.dumps([str(path) for path in written], indent=1))
+    else:
+        typer.echo(f"{len(written)} files written to {out or run}")
+
+
+@app.command()
+def view(run: RunPath) -> None:
+    """Open the preview of a finished run."""
+    from videovec.finished_run import FinishedRun
+
+    preview = FinishedRun.open(run).preview()
+    typer.echo(str(preview))
+    typer.launch(str(preview))
+
+
+@app.command()
+def compare(runs: Annotated[list[Path], typer.Argument(metavar="RUN...")], as_json: AsJson = False) -> None:
+    """Put the figures of finished runs side by side."""
+    from videovec.finished_run import FinishedRun
+
+    columns = [FinishedRun.open(run).figures() for run in runs]
+    if as_json:
+        typer.echo(json.dumps({str(run): column for run, column in zip(runs, columns, strict=True)}, indent=1))
+        return
+    width = max(12, *(len(run.name) for run in runs))
+    typer.echo(f"{'':<20}" + "".join(f"  {run.name:>{width}}" for run in runs))
+    for name in dict.fromkeys(name for column in columns for name in column):
+        typer.echo(f"{name:<20}" + "".join(f"  {column.get(name, ''):>{width}}" for column in columns))
+
+
+@app.command()
 def doctor(as_json: AsJson = False) -> None:
     """Check whether this machine can do what videovec needs."""
     from videovec.doctor import examine
@@ -203,9 +285,4 @@ def _summary_of_plan(plan: Plan) -> dict[str, object]:
 
 def _summary_of_outcome(outcome: Outcome) -> dict[str, object]:
     record = outcome.record
-    return {
-        "out": str(outcome.folder.path),
-        **record.clip,
-        **record.metrics,
-        "seconds_in_all": round(sum(record.seconds.values()), 1),
-    }
+    return {**record.clip, **record.metrics, "seconds_spent": record.seconds_spent(), "out": str(outcome.folder.path)}

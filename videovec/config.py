@@ -24,7 +24,7 @@ from videovec.errors import ConfigError
 from videovec.limits import Between, OneOf
 from videovec.settings import Config
 
-__all__ = ["Setting", "configure", "describe_settings", "preset_names", "suggestion", "validate"]
+__all__ = ["Setting", "configure", "describe_settings", "flatten", "preset_names", "suggestion", "validate"]
 
 _TRUE = {"true", "yes", "on", "1"}
 _FALSE = {"false", "no", "off", "0"}
@@ -63,7 +63,7 @@ def configure(
     """
     config = base or Config()
     if preset is not None:
-        for key, value in _flatten(_read_preset(preset)):
+        for key, value in flatten(_read_preset(preset)):
             config = _with_value(config, key, value)
     pairs = overrides.items() if isinstance(overrides, Mapping) else map(_split, overrides)
     for key, value in pairs:
@@ -92,6 +92,16 @@ def preset_names() -> tuple[str, ...]:
     return tuple(sorted(entry.name[:-5] for entry in folder.iterdir() if entry.name.endswith(".yaml")))
 
 
+def flatten(tree: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, object]]:
+    """Dotted keys and values of nested settings."""
+    for name, value in tree.items():
+        key = f"{prefix}{name}"
+        if isinstance(value, Mapping):
+            yield from flatten(value, f"{key}.")
+        else:
+            yield key, value
+
+
 def suggestion(name: str, names: Iterable[str]) -> str:
     """The end of a message about a name that does not exist: the name that may have been meant, or nothing."""
     close = get_close_matches(name, list(names), 1)
@@ -117,15 +127,6 @@ def _read_preset(preset: str | Path) -> dict[str, object]:
     if not isinstance(content, dict):
         raise ConfigError(f"preset {preset} must map settings to values, got {type(content).__name__}")
     return content
-
-
-def _flatten(tree: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, object]]:
-    for name, value in tree.items():
-        key = f"{prefix}{name}"
-        if isinstance(value, Mapping):
-            yield from _flatten(value, f"{key}.")
-        else:
-            yield key, value
 
 
 def _split(text: str) -> tuple[str, object]:

@@ -17,6 +17,7 @@ __all__ = [
     "DryRun",
     "Exit",
     "Force",
+    "Formats",
     "Frames",
     "Fresh",
     "MaxError",
@@ -67,6 +68,10 @@ MaxError = Annotated[
     typer.Option(min=0.0, help="Exit with 3 if a frame's error is above this; 0 is perfect, 1 an empty page."),
 ]
 SvgStyle = Annotated[str | None, typer.Option(help="auto, stroke, outline or powerstroke.")]
+Formats = Annotated[
+    list[str] | None,
+    typer.Option("-f", "--format", help="svg, lottie, dotlottie, npz, json or preview; may be repeated."),
+]
 RunPath = Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a finished run.")]
 
 

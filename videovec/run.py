@@ -20,7 +20,7 @@ from videovec.export import FORMATS, export
 from videovec.progress import Progress, Silent
 from videovec.quality import Quality, measure
 from videovec.render import resolve_backend
-from videovec.run_folder import RunFolder, RunRecord, default_folder, hash_of_clip, hash_of_config
+from videovec.run_folder import TRACKS, RunFolder, RunRecord, default_folder, hash_of_clip, hash_of_config
 from videovec.settings import Config
 from videovec.stopwatch import Stopwatch
 from videovec.tracks import StrokeTracks
@@ -28,7 +28,6 @@ from videovec.tracks import StrokeTracks
 __all__ = ["Outcome", "Plan", "Request", "carry_out", "find_pipeline", "prepare", "run", "track"]
 
 Pipeline = Callable[[Clip, Config, Progress], StrokeTracks]
-TRACKS = "tracks.npz"
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,9 +14,10 @@ from videovec.errors import OutputError
 from videovec.files import write_file
 from videovec.settings import Config
 
-__all__ = ["RunFolder", "RunRecord", "default_folder", "hash_of_clip", "hash_of_config"]
+__all__ = ["TRACKS", "RunFolder", "RunRecord", "default_folder", "hash_of_clip", "hash_of_config"]
 
 RECORD = "run.json"
+TRACKS = "tracks.npz"
 FORMAT = 1
 """Version of the layout of run.json."""
 
@@ -52,6 +53,10 @@ class RunRecord:
     metrics: Mapping[str, float] = field(default_factory=dict)
     frame_errors: tuple[float, ...] = ()
     outputs: tuple[str, ...] = ()
+
+    def seconds_spent(self) -> float:
+        """How long all stages took."""
+        return round(sum(self.seconds.values()), 1)
 
     def is_fitted_as(self, other: RunRecord) -> bool:
         """Whether its strokes are finished, and are those of the clip and the settings of ``other``."""
