@@ -14,6 +14,7 @@ __all__ = ["Stations", "angle_between", "cut_at_cusps", "even_grid", "find_cusps
 Floats = NDArray[np.float64]
 
 _HALT = 0.003  # speed, in lengths of the control polygon, under which a segment turns about on the spot
+_LENGTH_COST = 0.2  # of a pixel of length, against a pixel swept by the half-width in a turn
 _GRID = 32  # steps of a segment over which its pieces are shared out
 _ROUNDS = 3  # how often that grid is refined where the curve turns
 
@@ -77,7 +78,7 @@ def even_grid(control: Floats, widths: Floats) -> Floats:
         stations = Stations.at(control, widths[:, :1] + (widths[:, 1:] - widths[:, :1]) * t, t)
         length = np.linalg.norm(np.diff(stations.center, axis=1), axis=-1)
         turn = np.abs(angle_between(stations.tangent[:, :-1], stations.tangent[:, 1:]))
-        cost = length + turn * (stations.half_width[:, 1:] + stations.half_width[:, :-1]) / 2
+        cost = _LENGTH_COST * length + turn * (stations.half_width[:, 1:] + stations.half_width[:, :-1]) / 2
         cost += 0.1 * cost.mean(1, keepdims=True) + 1e-9
         share = np.concatenate([np.zeros((len(cost), 1)), np.cumsum(cost, axis=1)], axis=1)
         share /= share[:, -1:]
