@@ -99,9 +99,12 @@ def flatten(image: Floats, page: Page) -> Floats:
     departure = np.abs(medians - page.color).max(axis=2)
     if np.mean((departure > FLAT) & (departure < SLIGHT)) < LEAST_SHADED:
         return image
+    surface = _shading(medians)
+    if np.abs(surface - page.color).max() <= FLAT:
+        return image
     flat = np.empty_like(image)
     is_light = page.color.mean() >= 0.5
-    for channel, blocks in enumerate(np.moveaxis(_shading(medians), 2, 0)):
+    for channel, blocks in enumerate(np.moveaxis(surface, 2, 0)):
         shading = _enlarged(blocks, image.shape[:2])
         color, values = np.float32(page.color[channel]), image[..., channel]
         if is_light:
@@ -128,10 +131,10 @@ def _block_medians(image: Floats) -> NDArray[np.float64]:
 
 def _enlarged(blocks: NDArray[np.float64], size: tuple[int, ...]) -> Floats:
     """Values of blocks, at every pixel; continued in straight lines beyond the outermost centres. [H, W]"""
-    padded = np.pad(blocks, 1, mode="reflect", reflect_type="odd").astype(np.float32)
-    y, x = ((np.arange(side) + 0.5) * count / side + 0.5 for side, count in zip(size, blocks.shape, strict=True))
+    padded = np.pad(blocks, 2, mode="reflect", reflect_type="odd").astype(np.float32)
+    y, x = ((np.arange(side) + 0.5) * count / side + 1.5 for side, count in zip(size, blocks.shape, strict=True))
     columns, rows = np.meshgrid(x.astype(np.float32), y.astype(np.float32))
-    return np.asarray(cv2.remap(padded, columns, rows, cv2.INTER_CUBIC), np.float32)
+    return np.asarray(cv2.remap(padded, columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.float32)
 
 
 def _shading(medians: NDArray[np.float64]) -> NDArray[np.float64]:

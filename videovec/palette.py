@@ -44,6 +44,9 @@ RESOLVED = 1.4
 TWO_ROWS = 2.4
 """Mass over peak beyond that of a hairline on the border of two rows. px"""
 
+VALLEY = 0.25
+"""Cores between two shades, against those of the rarer one, from which the shades are one ink."""
+
 NEARLY_DEEPEST = 0.85
 """A line under 2.5 px that comes this near to the deepest colour of its hue is drawn with it."""
 
@@ -153,7 +156,7 @@ def estimate_palette(cores: Cores, page: NDArray[np.float64], noise: float) -> N
     for ink in inks:
         resolved = resolved[np.linalg.norm(resolved - ink, axis=1) > SAME_COLOR + 3 * noise]
     thin = [_or_deepest(ink, page) for ink in _shown_inks(resolved, max(8, THIN_SHARE * total))]
-    inks = _distinct([*inks, *thin])
+    inks = _merge_shades(_distinct([*inks, *thin]), colors[cores.is_plateau | cores.is_certain])
     rest = colors[~is_share(colors, inks, noise)]
     inks = _distinct([*inks, *_thin_inks(rest, page, max(8, THIN_SHARE * total))])[:MOST_INKS]
     if not len(inks):
@@ -184,6 +187,28 @@ def _distinct(inks: list[NDArray[np.float64]]) -> NDArray[np.float64]:
         if all(np.linalg.norm(ink - other) > SAME_COLOR for other in kept):
             kept.append(ink)
     return np.array(kept).reshape(-1, 3)
+
+
+def _merge_shades(inks: NDArray[np.float64], colors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Inks of one hue as one, where cores of all depths lie between them: a soft line, not two inks.
+
+    Args:
+        inks: Deviations. [I, 3]
+        colors: Deviations of cores that show their ink. [N, 3]
+    """
+    merged = list(inks[np.argsort(-np.linalg.norm(inks, axis=1))])
+    for shallow in merged[::-1]:
+        for deep in merged:
+            length = float(np.linalg.norm(deep))
+            if length <= np.linalg.norm(shallow) or _angle(shallow[None], deep)[0] > SAME_HUE / 2:
+                continue
+            hue = colors[_angle(colors, deep) < SAME_HUE]
+            depth, start = hue @ deep / length**2, float(shallow @ deep) / length**2
+            counts = np.histogram(depth, np.linspace(start - (1 - start) / 6, 1 + (1 - start) / 6, 9))[0]
+            if counts[2:6].min() > VALLEY * min(counts[0:3].max(), counts[5:8].max()):
+                merged = [ink for ink in merged if ink is not shallow]
+                break
+    return np.array(merged).reshape(-1, 3)
 
 
 def is_share(deviation: NDArray[np.float64], inks: NDArray[np.float64], noise: float) -> NDArray[np.bool_]:
