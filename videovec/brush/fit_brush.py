@@ -1,0 +1,135 @@
+"""From solid strokes to a brush: one brush for all strokes of a clip, and how it was laid along each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.brush.align import Alignment
+from videovec.brush.choose import Evidence, Lean, weigh
+from videovec.brush.gauge import centre_support, full_scale
+from videovec.brush.grain import measure_grain, synthesise_grain
+from videovec.brush.lay import lay_again, lay_texture
+from videovec.brush.model import Brush, BrushModel, Laying
+from videovec.brush.prepare import fit_profile, mean_width, shorten_segments
+from videovec.brush.refine import Laid, RefineSchedule, refine
+from videovec.brush.strips import TEXELS_PER_WIDTH, unroll
+from videovec.errors import FitError
+from videovec.ink import Ink
+from videovec.progress import Progress, Silent
+from videovec.settings import BrushSettings
+from videovec.strokes import Strokes
+
+__all__ = ["BrushFit", "fit_brush"]
+
+GRAIN_WIDTHS = 48  # length of a strip of synthesised grain; strokes begin anywhere in it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BrushFit:
+    """A learned brush and the strokes that are drawn with it.
+
+    Args:
+        brush: The brush.
+        strokes: The strokes, refined with the brush; identities and lives are those given, long segments are halved.
+        laying: Phase, direction and density of the brush along each stroke.
+        evidence: Why the brush's model was chosen.
+        ink_pixels: Pixels that hold ink, over all drawings: a brush with more texels than this is a bitmap.
+    """
+
+    brush: Brush
+    strokes: Strokes
+    laying: Laying
+    evidence: Evidence
+    ink_pixels: int
+
+    @property
+    def texels(self) -> int:
+        """How many numbers the brush is."""
+        return int(self.brush.strip.size)
+
+
+def fit_brush(
+    ink: Ink, strokes: Strokes, settings: BrushSettings, progress: Progress | None = None, seed: int = 0
+) -> BrushFit:
+    """Learn the one brush that draws all strokes, and how it lies along each.
+
+    Args:
+        ink: D drawings.
+        strokes: A solid fit of them.
+        settings: How the brush is learned.
+        progress: Told of the steps.
+        seed: Of shuffling and grain.
+
+    Returns:
+        Brush, refined strokes, their laying, and the evidence for the model.
+
+    Raises:
+        FitError: There are no strokes.
+    """
+    if not len(strokes):
+        raise FitError("a brush needs at least one stroke, got none")
+    progress = progress or Silent()
+    rng = np.random.default_rng(seed)
+    progress.stage("brush", 2 * settings.profile_steps + settings.texture_steps)
+    strokes = shorten_segments(strokes, settings.longest_segment * mean_width(strokes))
+    laid = fit_profile(strokes, ink.coverage, settings.profile_steps, progress)
+    strips = unroll(laid, ink.coverage)
+    evidence, texture, lean = weigh(strips, laid.brush.width, settings, rng)
+    progress.note(describe(evidence))
+    if evidence.model is BrushModel.TEXTURE:
+        laid = _with_texture(laid, texture, ink.coverage, settings, progress)
+    else:
+        if lean.explained > settings.lean_share:
+            laid = _with_lean(laid, lean, ink.coverage, settings, progress)
+        if evidence.model is BrushModel.GRAIN:
+            laid = _with_grain(laid, ink.coverage, rng)
+    pixels = int((ink.coverage > 12).sum())
+    return BrushFit(laid.brush, laid.strokes, laid.laying, evidence, pixels)
+
+
+def describe(evidence: Evidence) -> str:
+    """The choice and its evidence as one line."""
+    return (
+        f"brush: {evidence.model}; a shared texture explains {evidence.explained:.2f} of held-out strokes, "
+        f"{evidence.null:.2f} of shuffled ones; a one-sided profile {evidence.lean:.2f}; pen {evidence.width:.1f} px"
+    )
+
+
+def _with_texture(
+    laid: Laid, found: Alignment, coverage: NDArray[np.uint8], settings: BrushSettings, progress: Progress
+) -> Laid:
+    """Fit texels, phases and strokes together; strokes that then lie better elsewhere are moved, once."""
+    last = settings.texture_steps // 3
+    laid = lay_texture(laid, found)
+    for steps in (settings.texture_steps - last, last):
+        laid = refine(laid, coverage, RefineSchedule(steps, 0.08, 0.01, phase=0.01), progress)
+        if steps != last:
+            laid = lay_again(laid, coverage)
+    return full_scale(laid.brush, laid)
+
+
+def _with_lean(
+    laid: Laid, lean: Lean, coverage: NDArray[np.uint8], settings: BrushSettings, progress: Progress
+) -> Laid:
+    """Fit a one-sided profile, every stroke turned its own way."""
+    brush = replace(laid.brush, strip=np.maximum(laid.brush.strip + lean.profile, 0.0))
+    laid = full_scale(brush, replace(laid, laying=replace(laid.laying, sign=lean.sign)))
+    for steps in (settings.profile_steps * 2 // 3, settings.profile_steps // 3):
+        laid = centre_support(refine(laid, coverage, RefineSchedule(steps), progress))
+    return full_scale(laid.brush, laid)
+
+
+def _with_grain(laid: Laid, coverage: NDArray[np.uint8], rng: np.random.Generator) -> Laid:
+    """Grain of the same statistics, begun anywhere on every stroke."""
+    strips = [
+        strip if sign > 0 else strip.turned()
+        for strip, sign in zip(unroll(laid, coverage), laid.laying.sign, strict=True)
+    ]
+    statistics = measure_grain(strips, laid.brush.profile)
+    strip = synthesise_grain(statistics, GRAIN_WIDTHS * TEXELS_PER_WIDTH, rng)
+    phase = np.repeat(rng.uniform(0, GRAIN_WIDTHS, len(laid.strokes)), laid.strokes.layout.segments + 1)
+    brush = Brush(laid.brush.name, BrushModel.GRAIN, strip, laid.brush.width, GRAIN_WIDTHS)
+    return full_scale(brush, replace(laid, laying=replace(laid.laying, phase=phase)))

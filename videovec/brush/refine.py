@@ -1,0 +1,195 @@
+"""The joint optimisation of strokes and brush: control points, half-widths, density, phases and texels together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from videovec.brush.model import Brush, Laying, stroke_joints
+from videovec.brush.paint import BrushTensors, Pairs, find_pairs, paint
+from videovec.progress import Progress
+from videovec.strokes import Layout, Strokes
+
+__all__ = ["Laid", "RefineSchedule", "refine"]
+
+Floats = NDArray[np.float64]
+
+_SMOOTH_TURN = np.cos(np.radians(60.0))  # joints that turn less than this are smooth, and stay so
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Laid:
+    """Strokes, the brush that draws them, and how it was laid."""
+
+    strokes: Strokes
+    laying: Laying
+    brush: Brush
+
+
+@dataclass(frozen=True, slots=True)
+class RefineSchedule:
+    """How the steps are taken; a rate of 0 keeps what it moves.
+
+    Args:
+        steps: Number of optimiser updates.
+        points: Step of control points. px
+        half_width: Step of the logarithm of half-widths.
+        density: Step of the logit of density.
+        phase: Step of phases. widths
+        strip: Step of the logit of texels.
+        rebuild: Steps between two searches for the pixels near each stroke.
+        prior: Pull of every texel to the strip's profile, in pixels that agree with it.
+        continuity: Weight of the kink at smooth joints.
+    """
+
+    steps: int
+    points: float = 0.1
+    half_width: float = 0.015
+    density: float = 0.05
+    phase: float = 0.0
+    strip: float = 0.08
+    rebuild: int = 15
+    prior: float = 0.1
+    continuity: float = 0.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Leaves:
+    """The unconstrained tensors behind `BrushTensors`."""
+
+    points: Tensor
+    log_half_width: Tensor
+    logit_density: Tensor
+    phase: Tensor
+    logit_strip: Tensor
+
+    @staticmethod
+    def of(laid: Laid) -> _Leaves:
+        start = BrushTensors.of(laid.strokes, laid.laying, laid.brush)
+        leaves = (
+            start.points.clone(),
+            start.half_width.clamp(min=0.05).log(),
+            torch.logit(start.density, eps=1e-3),
+            start.phase.clone(),
+            torch.logit(start.strip, eps=2e-3),
+        )
+        return _Leaves(*(leaf.requires_grad_() for leaf in leaves))
+
+    def tensors(self, brush: Brush) -> BrushTensors:
+        return BrushTensors(
+            self.points,
+            self.log_half_width.exp(),
+            torch.sigmoid(self.logit_density),
+            self.phase,
+            torch.sigmoid(self.logit_strip),
+            brush.width,
+            brush.repeat,
+        )
+
+
+def refine(laid: Laid, coverage: NDArray[np.uint8], schedule: RefineSchedule, progress: Progress) -> Laid:
+    """Move strokes and brush until together they draw the ink.
+
+    Args:
+        laid: Where to start.
+        coverage: Ink fraction, 255 is full. uint8 [D, H, W]
+        schedule: What moves, and how far.
+        progress: Advanced at every step.
+
+    Returns:
+        Strokes, laying and brush of the same topology, repeat and number of texels.
+    """
+    leaves = _Leaves.of(laid)
+    rates = (schedule.points, schedule.half_width, schedule.density, schedule.phase, schedule.strip)
+    moving = [(leaf, rate) for leaf, rate in zip(_all(leaves), rates, strict=True) if rate > 0]
+    optimiser = torch.optim.Adam([{"params": [leaf]} for leaf, _ in moving], betas=(0.9, 0.99))
+    kinks = _smooth_joints(laid.strokes)
+    now, target = laid, torch.zeros(0)
+    pairs: Pairs | None = None
+    for step in range(schedule.steps):
+        if step % schedule.rebuild == 0 or pairs is None:
+            now = _laid(leaves, laid)
+            pairs = find_pairs(now.strokes, now.laying, coverage.shape)
+            target = torch.as_tensor(coverage.reshape(-1)[pairs.pixels.numpy()], dtype=torch.float32) / 255
+        tensors = leaves.tensors(laid.brush)
+        loss = (paint(pairs, tensors) - target).square().sum()
+        loss = loss + schedule.prior * (tensors.strip - tensors.strip.detach().mean(0)).square().sum()
+        loss = loss + schedule.continuity * _kink(leaves.points, kinks)
+        optimiser.zero_grad(set_to_none=True)
+        loss.backward()  # type: ignore[no-untyped-call]
+        decay = 0.1 + 0.45 * (1 + float(np.cos(np.pi * step / schedule.steps)))
+        for group, (_, rate) in zip(optimiser.param_groups, moving, strict=True):
+            group["lr"] = rate * decay
+        optimiser.step()
+        with torch.no_grad():
+            _close(leaves, laid.strokes)
+        progress.advance()
+    return _laid(leaves, laid)
+
+
+def _all(leaves: _Leaves) -> tuple[Tensor, ...]:
+    return (leaves.points, leaves.log_half_width, leaves.logit_density, leaves.phase, leaves.logit_strip)
+
+
+def _close(leaves: _Leaves, strokes: Strokes) -> None:
+    """Let closed rows end where they begin."""
+    layout = strokes.layout
+    rows = np.flatnonzero(strokes.is_closed[layout.row_stroke])
+    if not len(rows):
+        return
+    for leaf, starts in (
+        (leaves.points, layout.row_points),
+        (leaves.log_half_width, layout.row_joints),
+        (leaves.logit_density, layout.row_joints),
+    ):
+        first, last = torch.as_tensor(starts[rows]), torch.as_tensor(starts[rows + 1] - 1)
+        middle = 0.5 * (leaf[first] + leaf[last])
+        leaf[first], leaf[last] = middle, middle
+
+
+def _laid(leaves: _Leaves, start: Laid) -> Laid:
+    def array(tensor: Tensor) -> Floats:
+        return tensor.detach().numpy().astype(np.float64)
+
+    tensors = leaves.tensors(start.brush)
+    opacity, density = split_density(array(tensors.density), start.strokes.layout)
+    strokes = replace(
+        start.strokes, points=array(tensors.points), half_width=array(tensors.half_width), opacity=opacity
+    )
+    laying = replace(start.laying, phase=array(tensors.phase), density=density)
+    return Laid(strokes, laying, replace(start.brush, strip=array(tensors.strip)))
+
+
+def split_density(ink: Floats, layout: Layout) -> tuple[Floats, Floats]:
+    """Ink at joints [J] as the opacity of its row, its maximum [R], and the density against it [J]."""
+    opacity = np.maximum(np.maximum.reduceat(ink, layout.row_joints[:-1]), 1e-6)
+    return opacity, ink / opacity[layout.joint_row]
+
+
+def _smooth_joints(strokes: Strokes) -> NDArray[np.intp]:
+    """Control points before, at and after every inner joint at which the strokes turn little. int [K, 3]"""
+    layout = strokes.layout
+    inner = np.flatnonzero(np.diff(layout.segment_row) == 0)
+    triples = layout.segment_points[inner][:, 2:4]
+    triples = np.concatenate([triples, layout.segment_points[inner + 1][:, 1:2]], axis=1)
+    before = strokes.points[triples[:, 1]] - strokes.points[triples[:, 0]]
+    after = strokes.points[triples[:, 2]] - strokes.points[triples[:, 1]]
+    scale = np.maximum(np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1), 1e-9)
+    return np.asarray(triples[(before * after).sum(1) / scale > _SMOOTH_TURN])
+
+
+def _kink(points: Tensor, triples: NDArray[np.intp]) -> Tensor:
+    """Sum of squared differences of the unit tangents at smooth joints. Scalar"""
+    before, at, after = (points[torch.as_tensor(triples[:, k])] for k in range(3))
+    incoming = torch.nn.functional.normalize(at - before, dim=1, eps=1e-3)
+    outgoing = torch.nn.functional.normalize(after - at, dim=1, eps=1e-3)
+    return (incoming - outgoing).square().sum()
+
+
+def stroke_of_phase(layout: Layout) -> NDArray[np.intp]:
+    """Stroke of every entry of `Laying.phase`. int [sum of n+1]"""
+    return np.repeat(np.arange(len(layout.segments)), np.diff(stroke_joints(layout)))
