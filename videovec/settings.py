@@ -11,8 +11,10 @@ from typing import Annotated
 from videovec.limits import Between, OneOf
 
 __all__ = [
+    "BrushSettings",
     "Config",
     "DecodeSettings",
+    "EditSettings",
     "ExportSettings",
     "FitSettings",
     "InitialiseSettings",
@@ -108,6 +110,28 @@ class Weights:
 
 
 @dataclass(frozen=True, slots=True)
+class EditSettings:
+    """How the strokes of a single drawing are simplified and densified while they are fitted.
+
+    Source:
+        Supplement A, "Implementation Details": every 100 steps, 0.01, 1e-5 and 5 px; the units are ours.
+    """
+
+    every: Annotated[int, Between(0)] = 100
+    """Optimiser updates between two rounds of edits; 0 for none."""
+    sigma_min: Annotated[float, Between(0)] = 0.01
+    """Strokes of less width (px) or less opacity are dropped."""
+    delta_max: Annotated[float, Between(0)] = 1e-5
+    """Squared error of ink that no stroke draws, above which it gets one. Share of the page's pixels"""
+    d_min: Annotated[float, Between(0)] = 5.0
+    """Length under which a stroke that others cover is dropped, and gap over which two may be joined. px"""
+    tolerance: Annotated[float, Between(0.01)] = 0.35
+    """How far a line may move when segments are joined or traced. px"""
+    price: Annotated[float, Between(0)] = 0.01
+    """By how much the sum of squared coverage errors may rise, or must fall, for each control point less or more."""
+
+
+@dataclass(frozen=True, slots=True)
 class FitSettings:
     """The joint optimisation over all drawings."""
 
@@ -120,6 +144,35 @@ class FitSettings:
     overlap: Annotated[int, Between(1)] = 6
     """Drawings on either side of a window that are fitted with it and belong to the next."""
     weights: Weights = field(default_factory=Weights)
+    edits: EditSettings = field(default_factory=EditSettings)
+
+
+@dataclass(frozen=True, slots=True)
+class BrushSettings:
+    """How the brush of textured lines is learned."""
+
+    brush: str = ""
+    """A brush that is known, a file of an earlier run; empty learns one."""
+    model: Annotated[str, OneOf(("auto", "profile", "texture", "grain"))] = "auto"
+    """What the brush is taken for: auto, profile, texture or grain."""
+    profile_steps: Annotated[int, Between(0)] = 150
+    """Optimiser updates of strokes with a profile."""
+    texture_steps: Annotated[int, Between(0)] = 200
+    """Optimiser updates of strokes with a shared texture."""
+    least_width: Annotated[float, Between(0)] = 4.0
+    """Strokes of less mean width show too little of their grain to measure it. px"""
+    least_grain: Annotated[float, Between(0)] = 0.05
+    """Ink that varies less than this inside strokes is smooth."""
+    longest_segment: Annotated[float, Between(0.5)] = 4.0
+    """Longer segments are halved, so that width and density can vary. widths"""
+    shortest_repeat: Annotated[float, Between(0.5)] = 4.0
+    """Shortest repeat of a texture. widths"""
+    longest_repeat: Annotated[float, Between(0.5)] = 40.0
+    """Longest repeat of a texture. widths"""
+    texture_margin: Annotated[float, Between(0, 1)] = 0.15
+    """A texture must explain this much more of held-out strokes than of shuffled ones."""
+    lean_share: Annotated[float, Between(0, 1)] = 0.2
+    """A one-sided profile must explain this share of the grain of held-out strokes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,4 +203,5 @@ class Config:
     propagate: PropagateSettings = field(default_factory=PropagateSettings)
     render: RenderSettings = field(default_factory=RenderSettings)
     fit: FitSettings = field(default_factory=FitSettings)
+    brush: BrushSettings = field(default_factory=BrushSettings)
     export: ExportSettings = field(default_factory=ExportSettings)
