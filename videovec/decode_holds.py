@@ -21,9 +21,15 @@ WINDOW = 9
 QUIET = 1.0
 """Change that is none, so that rounding does not split a hold. 8-bit levels"""
 
-WORST_WINDOW = 40.0
+WORST_WINDOW = 100.0
 """How many times the noise beside lines a held drawing may change in its worst window, at a line's edge. Measured with
-x264 at crf 12 to 35: 5 to 40."""
+x264 at crf 8 to 33: up to 50."""
+
+TRACE = 4.0
+"""Deviations from the page below this are noise, or the fringe of a line. 8-bit levels"""
+
+LEAST_TRACES = 0.01
+"""Share of the page beside lines that shows a trace from which there is noise and not only fringes."""
 
 
 @dataclass(slots=True)
@@ -106,7 +112,7 @@ def compression_noise(image: Pixels) -> float:
     """Noise of an image beside its lines, where lossy codecs spread their error.
 
     Transform codecs spread the error of a block over the whole block, so the page a few px beside a line shows how
-    wrong the line itself may be.
+    wrong the line itself may be. Noise is dense: a few faint pixels are faint lines.
 
     Args:
         image: uint8 or uint16 [H, W, 3]
@@ -120,4 +126,6 @@ def compression_noise(image: Pixels) -> float:
     ink = (contrast > 0.25 * float(contrast.max())).astype(np.uint8)
     near, far = (cv2.dilate(ink, np.ones((2 * r + 1, 2 * r + 1), np.uint8)) > 0 for r in (2, 8))
     beside = contrast[far & ~near]
-    return math.sqrt(float(np.mean(beside.astype(np.float64) ** 2))) if len(beside) else 0.0
+    if not len(beside) or np.mean((beside > 0.5) & (beside < TRACE)) < LEAST_TRACES:
+        return 0.0
+    return math.sqrt(float(np.mean(beside.astype(np.float64) ** 2)))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+import struct
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -27,15 +29,32 @@ UNSET_DELAY = Fraction(1, 10)
 """What players make of a delay of zero. Seconds"""
 
 
+DAMAGE = (OSError, EOFError, ValueError, SyntaxError, struct.error, IndexError)
+"""What Pillow raises where a file is damaged."""
+
+
 def image_frame_count(path: Path) -> int:
-    """How many frames an image file has; 0 if it is not an image."""
+    """How many frames an image file has, whole ones if it is damaged; 0 if it is no image."""
     try:
         with Image.open(path) as image:
-            return int(getattr(image, "n_frames", 1))
+            try:
+                return int(getattr(image, "n_frames", 1))
+            except DAMAGE:
+                return max(1, _seekable(image))
     except UnidentifiedImageError:
         return 0
-    except (OSError, ValueError, SyntaxError, EOFError):
+    except DAMAGE:
         return 1
+
+
+def _seekable(image: Image.Image) -> int:
+    """Number of frames before the damage."""
+    for index in count():
+        try:
+            image.seek(index)
+        except DAMAGE:
+            return index
+    raise AssertionError("files end")
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,24 +73,23 @@ class AnimationSource:
         Raises:
             InputError: None decodes.
         """
-        time, count = Fraction(0), 0
+        time, shown = Fraction(0), 0
         with Image.open(self.path) as image:
             first = 1 if getattr(image, "default_image", False) else 0
-            for index in range(first, self.frame_count):
+            for index in count(first):
                 try:
                     image.seek(index)
                     pixels = np.asarray(image.convert("RGBA"))
-                except (OSError, EOFError, ValueError, SyntaxError):
+                except DAMAGE as error:
+                    if index < self.frame_count or not isinstance(error, EOFError):
+                        self.progress.note(f"{self.path}: damaged or cut short; using the first {shown} frames")
                     break
                 # An apng's delay is a fraction of two 16-bit numbers, which a double tells apart.
                 delay = Fraction(float(image.info.get("duration", 0)) / 1000).limit_denominator(65535) or UNSET_DELAY
                 yield SourceFrame(to_rgb(pixels, f"{self.path}"), time, delay)
-                time, count = time + delay, count + 1
-        if count == 0:
+                time, shown = time + delay, shown + 1
+        if shown == 0:
             raise InputError(f"{self.path}: must have at least one whole frame, got none that decodes")
-        if count < self.frame_count - first:
-            missing = self.frame_count - first - count
-            self.progress.note(f"{self.path}: damaged or cut short, {missing} frames missing; using the {count} others")
 
 
 @dataclass(frozen=True, slots=True)

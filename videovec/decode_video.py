@@ -35,6 +35,7 @@ class VideoSource:
         frame_count: Frames that the container promises, 0 if it does not say.
         rate: Its nominal frame rate.
         tick: Its clock. Seconds
+        length: How long it is said to last, 0 if unknown. Seconds
     """
 
     path: Path
@@ -42,6 +43,7 @@ class VideoSource:
     frame_count: int
     rate: Fraction | None
     tick: Fraction
+    length: Fraction
 
     @staticmethod
     def open(path: Path, progress: Progress) -> VideoSource:
@@ -59,6 +61,7 @@ class VideoSource:
                 int(stream.frames),
                 broadcast_rate(rate) if rate else None,
                 Fraction(stream.time_base or Fraction(1, 1000)),
+                _length(container, stream),
             )
 
     def frames(self) -> Iterator[SourceFrame]:
@@ -67,19 +70,20 @@ class VideoSource:
         Raises:
             InputError: None decodes.
         """
-        count, damaged = 0, 0
+        count, damaged, first, end = 0, 0, Fraction(0), Fraction(0)
         with _container(self.path) as container:
             for frame in _decoded(container, _stream(container, self.path)):
                 if frame is None or frame.is_corrupt:
                     damaged += 1
                     continue
-                yield self._source_frame(frame, count)
+                shown = self._source_frame(frame, count)
+                first, end = (shown.time if count == 0 else first), shown.time + 2 * shown.duration
+                yield shown
                 count += 1
         if count == 0:
             raise InputError(f"{self.path}: must be a video with at least one whole frame, got none that decodes")
-        missing = max(damaged, self.frame_count - count)
-        if missing:
-            self.progress.note(f"{self.path}: damaged or cut short, {missing} frames missing; using the {count} others")
+        if damaged or count < self.frame_count or end - first < self.length:
+            self.progress.note(f"{self.path}: damaged or cut short; using the {count} frames that decode")
 
     def _source_frame(self, frame: Any, position: int) -> SourceFrame:
         step = 1 / (self.rate or Fraction(25))
@@ -106,6 +110,13 @@ def _stream(container: Any, path: Path) -> Any:
         if not stream.disposition & av.stream.Disposition.attached_pic and stream.codec_context is not None:
             return stream
     raise InputError(f"{path}: must hold a moving picture, got {len(container.streams)} streams of other kinds")
+
+
+def _length(container: Any, stream: Any) -> Fraction:
+    """How long the video is said to last, where only this tells a whole file from a cut one; else 0. Seconds"""
+    if stream.frames or not container.duration or len(container.streams) > 1:
+        return Fraction(0)
+    return Fraction(container.duration, av.time_base)
 
 
 def _decoded(container: Any, stream: Any) -> Iterator[Any]:

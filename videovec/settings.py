@@ -29,7 +29,7 @@ __all__ = [
 class DecodeSettings:
     """How frames are read and which of them are the same drawing."""
 
-    hold_tolerance: Annotated[float, Between(0)] = 24.0
+    hold_tolerance: Annotated[float, Between(0)] = 23.0
     """Largest change, over a 9 x 9 px window, that noise is allowed within one drawing. 8-bit levels"""
     frame_rate: Annotated[float, Between(0.01, 1000)] = 24.0
     """Frames per second of numbered images; 23.976 and 29.97 stand for the exact fractions."""
