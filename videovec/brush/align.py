@@ -1,7 +1,7 @@
 """Which repeat, phase and direction make the grain of all strokes one texture.
 
 Every stroke's strip is folded at a candidate repeat; a template is learned from the strokes that are aligned so far,
-and each stroke takes the phase and direction at which it fits the template best, found for all phases at once by Fourier
+and each stroke takes the phase and direction at which it fits the template best, found at once for all by Fourier
 transforms. What a template from the *other* strokes explains of a stroke's grain is the evidence, against strips of
 blocks that are shuffled along the stroke: choosing the best of many phases explains some of anything.
 """
@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 
-__all__ = ["Alignment", "Folded", "align", "find_repeat", "shuffled"]
+__all__ = ["Alignment", "Folded", "align", "find_repeat", "shuffled", "spread"]
 
 Floats = NDArray[np.float64]
 
@@ -52,17 +53,30 @@ class Alignment:
         return float((self.explained * self.energy).sum() / max(self.energy.sum(), 1e-12))
 
 
-def _fold(strip: Strip, repeat: float, columns: int) -> tuple[Floats, Floats, float]:
-    """Sums of grain and weight [U, V] of a strip wrapped at a repeat, and the grain's energy."""
-    grain, weight = strip.grain, strip.weight
-    place = (np.arange(len(grain)) + 0.5) / TEXELS_PER_WIDTH / repeat * columns - 0.5
+def spread(strip: Strip, place: Floats, columns: int) -> tuple[Floats, Floats]:
+    """Sums of grain and of weight in a periodic texture.
+
+    Args:
+        strip: A stroke unrolled, turned the way it runs.
+        place: Where each of its texels along the stroke lies. [L] columns
+        columns: Length of the texture, U.
+
+    Returns:
+        Sums of grain, and of weight, each texel shared by its two nearest columns. Twice [U, V]
+    """
     left = np.floor(place).astype(np.intp)
-    share = (place - left)[:, None]
-    values, weights = np.zeros((columns, grain.shape[1])), np.zeros((columns, grain.shape[1]))
-    for column, part in ((left, 1 - share), (left + 1, share)):
-        np.add.at(values, column % columns, part * weight * grain)
-        np.add.at(weights, column % columns, part * weight)
-    return values, weights, float((weight * grain * grain).sum())
+    share = place - left
+    column = np.concatenate([left % columns, (left + 1) % columns])
+    texel = np.tile(np.arange(len(place)), 2)
+    shares = csr_array((np.concatenate([1 - share, share]), (column, texel)), shape=(columns, len(place)))
+    both = shares @ np.concatenate([strip.weight * strip.grain, strip.weight], axis=1)
+    across = strip.grain.shape[1]
+    return np.asarray(both[:, :across]), np.asarray(both[:, across:])
+
+
+def _fold(strip: Strip, repeat: float, columns: int) -> tuple[Floats, Floats]:
+    place = (np.arange(len(strip.grain)) + 0.5) / TEXELS_PER_WIDTH / repeat * columns - 0.5
+    return spread(strip, place, columns)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +96,7 @@ class Folded:
         return Folded(
             (forth[0], back[0]),
             (forth[1], back[1]),
-            forth[2],
+            float((strip.weight * strip.grain**2).sum()),
             (np.fft.rfft(forth[0], axis=0).conj(), np.fft.rfft(back[0], axis=0).conj()),
             (np.fft.rfft(forth[1], axis=0).conj(), np.fft.rfft(back[1], axis=0).conj()),
         )
@@ -166,8 +180,17 @@ def find_repeat(strips: list[Strip], shortest: float, longest: float, most: int 
         The shortest repeat whose evidence is within 5 % of the best; all repeats [K], and their evidence [K].
     """
     longest_first = sorted(strips, key=lambda strip: -float(strip.weight.sum()))[:most]
+    longest_first = [_coarser(strip) for strip in longest_first]
     count = max(int(np.log(longest / shortest) / np.log1p(_SCAN_STEP)), 1)
     repeats: Floats = shortest * (1 + _SCAN_STEP) ** np.arange(count, dtype=np.float64)
     scores = np.array([align(longest_first, float(repeat), sweeps=3).score for repeat in repeats])
     good = np.flatnonzero(scores >= 0.95 * scores.max())
     return float(repeats[good[0]]), repeats, scores
+
+
+def _coarser(strip: Strip) -> Strip:
+    """The strip with half as many texels across."""
+    halves = (len(strip.grain), strip.grain.shape[1] // 2, 2)
+    weight = strip.weight[:, : 2 * halves[1]].reshape(halves)
+    grain = (strip.grain[:, : 2 * halves[1]].reshape(halves) * weight).sum(2)
+    return replace(strip, grain=grain / np.maximum(weight.sum(2), 1e-9), weight=weight.sum(2))

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.brush.align import Alignment, Folded, align
+from videovec.brush.align import Alignment, Folded, align, spread
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 
 __all__ = ["explained_at", "learn_texture", "lie_along"]
@@ -93,15 +93,9 @@ def _place(length: int, sign: float, offset: Floats, repeat: float, columns: int
 
 def _spread(strip: Strip, sign: float, offset: Floats, repeat: float, columns: int) -> tuple[Floats, Floats]:
     """Sums of grain and weight of a strip at its place in the texture. Twice [U, V]"""
-    place = _place(len(strip.grain), sign, offset, repeat, columns)
-    left = np.floor(place).astype(np.intp)
     across = slice(None, None, 1 if sign > 0 else -1)
-    grain, weight = strip.grain[:, across], strip.weight[:, across]
-    values, weights = np.zeros((columns, grain.shape[1])), np.zeros((columns, grain.shape[1]))
-    for column, part in ((left, 1 - (place - left)), (left + 1, place - left)):
-        np.add.at(values, column % columns, part[:, None] * weight * grain)
-        np.add.at(weights, column % columns, part[:, None] * weight)
-    return values, weights
+    seen = replace(strip, grain=strip.grain[:, across], weight=strip.weight[:, across])
+    return spread(seen, _place(len(strip.grain), sign, offset, repeat, columns), columns)
 
 
 def _follow(strip: Strip, sign: float, offset: Floats, template: Floats, repeat: float) -> tuple[Floats, float]:
