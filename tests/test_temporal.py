@@ -6,7 +6,7 @@ import torch
 from numpy.typing import NDArray
 
 from videovec.strokes import Layout, Strokes
-from videovec.temporal import Neighbours, acceleration, rigidity, width_change
+from videovec.temporal import Neighbours, acceleration, anchor, rigidity, width_change
 
 SHAPE = np.array([[10, 10], [20, 30], [40, 35], [60, 20], [70, 10], [80, 12], [90, 30]], float)
 
@@ -73,3 +73,12 @@ def test_a_stroke_of_one_drawing_has_no_temporal_terms() -> None:
     points = torch.tensor(strokes.points)
     assert acceleration(points, neighbours).item() == 0.0
     assert rigidity(points, neighbours).item() == 0.0
+
+
+def test_only_first_drawings_are_anchored() -> None:
+    points, neighbours = life([SHAPE, SHAPE, SHAPE])
+    moved = points.clone()
+    moved[11:] += 5.0  # the one-drawing stroke has 4 points, the first drawing of the other 7
+    assert anchor(moved, points, neighbours).item() == 0.0
+    moved[4, 0] += 2.0
+    assert anchor(moved, points, neighbours).item() == pytest.approx(4.0)

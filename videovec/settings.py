@@ -101,9 +101,11 @@ class Weights:
     """Bends sharper than the curvature threshold."""
     continuity: Annotated[float, Between(0)] = 0.0
     """Neighbouring segments whose tangents differ at their joint."""
-    acceleration: Annotated[float, Between(0)] = 0.02
+    anchor: Annotated[float, Between(0)] = 1.0
+    """Distance of each stroke's first drawing from where it was before the joint fit. px²"""
+    acceleration: Annotated[float, Between(0)] = 0.03
     """Second difference in time of control points. px² per frame⁴"""
-    rigidity: Annotated[float, Between(0)] = 0.2
+    rigidity: Annotated[float, Between(0)] = 0.3
     """Neighbouring control points that do not move together."""
     width_change: Annotated[float, Between(0)] = 1.0
     """Change in time of half-width."""

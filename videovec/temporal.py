@@ -15,7 +15,7 @@ from torch import Tensor
 
 from videovec.strokes import Layout
 
-__all__ = ["Neighbours", "acceleration", "rigidity", "width_change"]
+__all__ = ["Neighbours", "acceleration", "anchor", "rigidity", "width_change"]
 
 _HOPS = (1, 2, 4, 8)  # control points between the ends and the middle of a triple
 _SHORT = 1.0  # px²; a triple whose ends are nearer than this says nothing about shape
@@ -32,7 +32,8 @@ class Neighbours:
         stride: Control points from one drawing to the next. int [B]
         joints: Joints that have a next drawing. int [C]
         next_joints: The same joints one drawing later. int [C]
-        triples: First, middle and last point of a triple on a row that has a next drawing. int [E, 3]
+        first: Control points of each stroke's first drawing. int [F]
+    triples: First, middle and last point of a triple on a row that has a next drawing. int [E, 3]
         next_triples: The same triple one drawing later. int [E, 3]
         hops: Control points between the middle and the ends of each triple. [E]
     """
@@ -43,6 +44,7 @@ class Neighbours:
     stride: Tensor
     joints: Tensor
     next_joints: Tensor
+    first: Tensor
     triples: Tensor
     next_triples: Tensor
     hops: Tensor
@@ -70,6 +72,7 @@ class Neighbours:
             stride=put(stride[middle]),
             joints=put(joints),
             next_joints=put(joints + joint_stride[joints]),
+            first=put(np.flatnonzero(~has_before[row])),
             triples=put(triples),
             next_triples=put(triples + stride[triples]),
             hops=put(hops),
@@ -99,6 +102,23 @@ def acceleration(points: Tensor, neighbours: Neighbours) -> Tensor:
     """
     middle, stride = neighbours.middle, neighbours.stride
     return (points[middle - stride] - 2 * points[middle] + points[middle + stride]).square().sum()
+
+
+def anchor(points: Tensor, start: Tensor, neighbours: Neighbours) -> Tensor:
+    """How far the strokes of their first drawings have moved.
+
+    Ink does not show how a line lies along itself; a stroke's first drawing says which material each point is, and
+    without this term all drawings could slide along their lines together.
+
+    Args:
+        points: Control points, row by row. [P, 2] px
+        start: Where they were. [P, 2] px
+        neighbours: Which of them are first.
+
+    Returns:
+        Sum of squared distances. px². Scalar.
+    """
+    return (points[neighbours.first] - start[neighbours.first]).square().sum()
 
 
 def rigidity(points: Tensor, neighbours: Neighbours) -> Tensor:
