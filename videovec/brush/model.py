@@ -84,6 +84,14 @@ class Laying:
         start = np.zeros(len(joints)) if phase is None else phase
         return Laying(np.ones(len(joints)), np.repeat(start, joints), np.ones(int(layout.row_joints[-1])))
 
+    def at_drawing(self, layout: Layout, drawing: int) -> Laying:
+        """The laying of the strokes alive at one drawing, as `Strokes.at_drawing` gives them."""
+        rows = np.flatnonzero(layout.row_drawing == drawing)
+        stroke = np.zeros(len(layout.segments), np.bool_)
+        stroke[layout.row_stroke[rows]] = True
+        of_phase = np.repeat(np.arange(len(stroke)), layout.segments + 1)
+        return Laying(self.sign[stroke], self.phase[stroke[of_phase]], self.density[np.isin(layout.joint_row, rows)])
+
 
 def stroke_joints(layout: Layout) -> NDArray[np.intp]:
     """Where the joints of each stroke begin in `Laying.phase`, then their number. int [S+1]"""
