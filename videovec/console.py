@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import Event, Thread
 from typing import TextIO
 
 from rich.console import Console
@@ -21,39 +22,61 @@ LINE_EVERY = 5.0
 
 
 class LineProgress:
-    """One line as a stage ends, and one every few seconds while it lasts."""
+    """One line as a stage ends, and one every few seconds while it lasts; whether it advances or not."""
 
-    def __init__(self, stream: TextIO) -> None:
+    def __init__(self, stream: TextIO, every: float = LINE_EVERY) -> None:
         self._stream = stream
         self._name = ""
         self._done = self._total = 0
-        self._began = self._told = 0.0
+        self._began = 0.0
+        self._first: tuple[float, int] | None = None
+        self._is_over = Event()
+        self._beat = Thread(target=self._tell_now_and_then, args=(every,), daemon=True)
+        self._beat.start()
 
     def stage(self, name: str, total: int) -> None:
         """End the present stage and begin another."""
-        self.close()
-        self._name, self._done, self._total = name, 0, total
-        self._began = self._told = time.monotonic()
+        self._end()
+        self._done, self._total, self._first, self._began = 0, total, None, time.monotonic()
+        self._name = name
 
     def advance(self, count: int = 1) -> None:
-        """Count steps; say so now and then."""
+        """Count steps."""
         self._done += count
-        now = time.monotonic()
-        if now - self._told >= LINE_EVERY and self._done < self._total:
-            self._told = now
-            left = (now - self._began) / max(self._done, 1) * (self._total - self._done)
-            self._say(f"{self._name} {self._done}/{self._total}, {left:.0f} s left")
+        if self._first is None:
+            self._first = (time.monotonic(), self._done)
 
     def note(self, text: str) -> None:
         """Say it at once."""
         self._say(text)
 
+    def status(self) -> str:
+        """Stage, how far, and how long it still takes; the first step, which may have to compile, does not count."""
+        now = time.monotonic()
+        if self._first is None or self._done == self._first[1] or self._done >= self._total:
+            return f"{self._name}{self._count()}, for {now - self._began:.0f} s"
+        since, done = self._first
+        left = (now - since) / (self._done - done) * (self._total - self._done)
+        return f"{self._name}{self._count()}, {left:.0f} s left"
+
     def close(self) -> None:
-        """End the present stage."""
+        """End the present stage, and listen no more."""
+        self._end()
+        self._is_over.set()
+        self._beat.join()
+
+    def _end(self) -> None:
         if self._name:
-            count = f" {self._done}/{self._total}" if self._total else f" {self._done}" if self._done else ""
-            self._say(f"{self._name}{count} in {time.monotonic() - self._began:.1f} s")
+            self._say(f"{self._name}{self._count()} in {time.monotonic() - self._began:.1f} s")
         self._name = ""
+
+    def _count(self) -> str:
+        return f" {self._done}/{self._total}" if self._total else f" {self._done}" if self._done else ""
+
+    def _tell_now_and_then(self, every: float) -> None:
+        while not self._is_over.wait(every):
+            if self._name and time.monotonic() - self._began >= every:
+                self._say(self.status())
 
     def _say(self, text: str) -> None:
         print(text, file=self._stream, flush=True)
@@ -109,8 +132,10 @@ def progress_on(stream: TextIO | None = None, *, quiet: bool = False) -> Iterato
             yield BarProgress(bars)
     else:
         lines = LineProgress(stream)
-        yield lines
-        lines.close()
+        try:
+            yield lines
+        finally:
+            lines.close()
 
 
 def complain(message: str) -> None:
