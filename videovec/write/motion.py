@@ -21,6 +21,7 @@ __all__ = ["StrokeMotion", "stroke_motions"]
 
 Floats = NDArray[np.float64]
 
+_DOT = 0.05  # px of length up to which some players draw nothing of a line, not even its round ends
 _WIDTH_TOLERANCE = 0.05  # px
 _OPACITY_TOLERANCE = 0.01
 
@@ -72,6 +73,7 @@ def stroke_motions(tracks: StrokeTracks, base: TimeBase, settings: ExportSetting
         if not any(shape.is_visible for shape in shapes):
             continue
         drawings = strokes.layout.row_drawing[rows]
+        is_drawn = is_line[stroke] and min(arc_length(shape.points) for shape in shapes) > _DOT
         clock = _Clock(
             base.drawing_ticks[drawings].astype(np.float64),
             (base.exposure[drawings] > 1) & (not settings.lottie_smooth),
@@ -83,11 +85,11 @@ def stroke_motions(tracks: StrokeTracks, base: TimeBase, settings: ExportSetting
             begin=int(base.drawing_ticks[drawings[0]]),
             end=int(base.drawing_ticks[drawings[-1] + 1]),
             color=seen.color,
-            loops=_lines(shapes, clock) if is_line[stroke] else _outlines(shapes, clock),
-            is_closed=seen.is_closed or not is_line[stroke],
-            half_width=clock.reduce(mean[rows], _WIDTH_TOLERANCE) if is_line[stroke] else None,
-            visible=_visible(shapes, clock) if is_line[stroke] else None,
-            opacity=_opacity(shapes, clock),
+            loops=_lines(shapes, clock) if is_drawn else _outlines(shapes, clock),
+            is_closed=seen.is_closed or not is_drawn,
+            half_width=clock.reduce(mean[rows], _WIDTH_TOLERANCE) if is_drawn else None,
+            visible=_visible(shapes, clock) if is_drawn else None,
+            opacity=_ended(_opacity(shapes, clock), int(base.drawing_ticks[drawings[-1] + 1]), base),
         )
 
 
@@ -133,3 +135,12 @@ def _opacity(shapes: list[StrokeShape], clock: _Clock) -> Animated:
     is_visible = np.array([shape.is_visible for shape in shapes])
     values = np.where(is_visible, [shape.opacity for shape in shapes], 0.0)
     return clock.reduce(values, _OPACITY_TOLERANCE, np.append(is_visible[1:] != is_visible[:-1], False))
+
+
+def _ended(opacity: Animated, end: int, base: TimeBase) -> Animated:
+    """Opacity that is nothing from the end of a life on: rlottie shows a layer on its ``op`` as well."""
+    if end >= base.frame_ticks[-1]:
+        return opacity
+    return Animated(
+        np.append(opacity.times, float(end)), np.append(opacity.values, 0.0), np.append(opacity.is_hold, True)
+    )

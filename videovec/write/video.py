@@ -18,6 +18,7 @@ __all__ = ["preview_image", "preview_video"]
 
 Image = NDArray[np.uint8]
 
+_MACROBLOCK = 16  # px
 _SMALLEST, _LARGEST = 400, 960  # px of the longer side of a panel
 
 
@@ -25,7 +26,7 @@ def preview_image(tracks: StrokeTracks, clip: Clip | None, frame: int) -> Image:
     """A frame: source and strokes side by side, or the strokes alone where there is no clip.
 
     Returns:
-        Both sides are even, as video needs. uint8 [H', W', 3]
+        uint8 [H', W', 3]
     """
     longer = max(tracks.size)
     scale = np.ceil(_SMALLEST / longer) if longer < _SMALLEST else min(1.0, _LARGEST / longer)
@@ -36,8 +37,7 @@ def preview_image(tracks: StrokeTracks, clip: Clip | None, frame: int) -> Image:
         height, width = panels[0].shape[:2]
         method = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
         panels.insert(0, np.asarray(cv2.resize(source, (width, height), interpolation=method), np.uint8))
-    sheet = contact_sheet(panels, columns=2)
-    return np.pad(sheet, ((0, sheet.shape[0] % 2), (0, sheet.shape[1] % 2), (0, 0)), mode="edge")
+    return contact_sheet(panels, columns=2)
 
 
 def preview_video(tracks: StrokeTracks, clip: Clip | None) -> bytes:
@@ -57,14 +57,25 @@ def preview_video(tracks: StrokeTracks, clip: Clip | None) -> bytes:
         stream.options = {"crf": "18", "preset": "veryfast", "threads": "1", "bf": "0"}
         stream.pix_fmt = "yuv420p"
         stream.time_base = 1 / base.rate
-        image, shown = preview_image(tracks, clip, 0), 0
-        stream.height, stream.width = image.shape[:2]
+        planes, shown = _planes(preview_image(tracks, clip, 0)), 0
+        stream.height, stream.width = planes.shape[0] * 2 // 3, planes.shape[1]
         for frame, drawing in enumerate(tracks.timeline.drawing_of_frame.tolist()):
             if drawing != shown:
-                image, shown = preview_image(tracks, clip, frame), drawing
-            picture = av.VideoFrame.from_ndarray(image, format="rgb24")
+                planes, shown = _planes(preview_image(tracks, clip, frame)), drawing
+            picture = av.VideoFrame.from_ndarray(planes, format="yuv420p")
             picture.pts, picture.time_base = int(base.frame_ticks[frame]), 1 / base.rate
             picture.duration = int(base.frame_ticks[frame + 1] - base.frame_ticks[frame])
             container.mux(stream.encode(picture))
         container.mux(stream.encode())
     return buffer.getvalue()
+
+
+def _planes(image: Image) -> Image:
+    """An image in the planes of 4:2:0 video, grown to whole macroblocks.
+
+    The encoder fills incomplete ones with whatever lies in memory, and av's own conversion of colours differs from run
+    to run: with either, the same input would not be the same bytes.
+    """
+    height, width = image.shape[:2]
+    whole = np.pad(image, ((0, -height % _MACROBLOCK), (0, -width % _MACROBLOCK), (0, 0)), mode="edge")
+    return np.asarray(cv2.cvtColor(whole, cv2.COLOR_RGB2YUV_I420), np.uint8)
