@@ -18,8 +18,8 @@ Floats = NDArray[np.float64]
 End = tuple[int, int]
 Pairs = tuple[tuple[int, int], ...]
 
-_SKIP = 0.6  # widths next to a junction in which thinning bends a line
-_REACH = 2.75  # widths over which its direction is told
+_SKIP = 0.9  # widths next to a junction in which thinning bends a line
+_REACH = 5.0  # widths over which its direction is told
 _LEAST_REACH = 4.0  # px
 _MOST_ARMS = 7  # beyond so many branches all matchings are too many to try
 

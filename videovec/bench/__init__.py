@@ -1,0 +1,20 @@
+"""Benchmarks against known strokes and against other tracers."""
+
+from __future__ import annotations
+
+from videovec.bench.peers import TRACERS
+from videovec.bench.report import PROTOCOL, scores_to_csv, scores_to_table, sheet
+from videovec.bench.stills import Result, Still, StillScore, bench_stills, read_stills
+
+__all__ = [
+    "PROTOCOL",
+    "TRACERS",
+    "Result",
+    "Still",
+    "StillScore",
+    "bench_stills",
+    "read_stills",
+    "scores_to_csv",
+    "scores_to_table",
+    "sheet",
+]
