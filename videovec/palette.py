@@ -32,7 +32,7 @@ SAME_COLOR = 0.17
 SAME_HUE = math.radians(15)
 """Lines whose deviation from the page has the same direction to within this are of one hue."""
 
-PLATEAU_SHARE = 0.002
+PLATEAU_SHARE = 0.003
 """Share of all cores that must lie on plateaus of one colour to make an ink."""
 
 THIN_SHARE = 0.03
@@ -47,7 +47,7 @@ TWO_ROWS = 2.4
 VALLEY = 0.25
 """Cores between two shades, against those of the rarer one, from which the shades are one ink."""
 
-NEARLY_DEEPEST = 0.85
+NEARLY_DEEPEST = 0.97
 """A line under 2.5 px that comes this near to the deepest colour of its hue is drawn with it."""
 
 LENGTH_PER_PIXEL = 1.12
@@ -55,6 +55,9 @@ LENGTH_PER_PIXEL = 1.12
 
 OBLIQUE = 0.25
 """Sine of four times a line's angle from which it is oblique."""
+
+COHERENT = 0.5
+"""Share of the gradients around a pixel that must be of one line, for the line to have a direction."""
 
 REACH = 7
 """Side of the window in which the mass and peak of a line are taken. px"""
@@ -124,7 +127,8 @@ def _is_oblique(size: Floats) -> NDArray[np.bool_]:
     """
     dx, dy = cv2.Sobel(size, cv2.CV_32F, 1, 0), cv2.Sobel(size, cv2.CV_32F, 0, 1)
     xx, xy, yy = (cv2.blur(product, (REACH, REACH)) for product in (dx * dx, dx * dy, dy * dy))
-    oblique: NDArray[np.bool_] = np.abs(np.sin(2 * np.arctan2(2 * xy, xx - yy))) > OBLIQUE
+    along_one = np.hypot(xx - yy, 2 * xy) > COHERENT * (xx + yy)
+    oblique: NDArray[np.bool_] = along_one & (np.abs(np.sin(2 * np.arctan2(2 * xy, xx - yy))) > OBLIQUE)
     return oblique
 
 
@@ -151,7 +155,7 @@ def estimate_palette(cores: Cores, page: NDArray[np.float64], noise: float) -> N
     """
     total = len(cores.deviation)
     colors = cores.deviation.astype(np.float64)
-    inks = _shown_inks(colors[cores.is_plateau], max(12, PLATEAU_SHARE * total))
+    inks = _shown_inks(colors[cores.is_plateau], max(16, PLATEAU_SHARE * total))
     resolved = colors[cores.is_certain & ~cores.is_plateau]
     for ink in inks:
         resolved = resolved[np.linalg.norm(resolved - ink, axis=1) > SAME_COLOR + 3 * noise]
