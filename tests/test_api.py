@@ -33,7 +33,9 @@ PUBLIC = [
     "extract_ink",
     "fit",
     "initialise",
-    "render_image",
+    "propagate",
+    "read_reference",
+    "render_strokes",
     "run",
     "track",
 ]

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from videovec.fit import fit
     from videovec.initialise import initialise
     from videovec.ink import Ink, extract_ink
-    from videovec.render import render_image
+    from videovec.picture import render_strokes
+    from videovec.propagate import propagate
+    from videovec.reference import read_reference
     from videovec.run import run, track
     from videovec.settings import Config
     from videovec.strokes import Strokes
@@ -49,7 +51,9 @@ __all__ = [
     "extract_ink",
     "fit",
     "initialise",
-    "render_image",
+    "propagate",
+    "read_reference",
+    "render_strokes",
     "run",
     "track",
 ]
@@ -75,7 +79,9 @@ _HOME = {
     "extract_ink": "ink",
     "fit": "fit",
     "initialise": "initialise",
-    "render_image": "render",
+    "propagate": "propagate",
+    "read_reference": "reference",
+    "render_strokes": "picture",
     "run": "run",
     "track": "run",
 }

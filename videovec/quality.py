@@ -1,4 +1,4 @@
-"""How well strokes draw their clip: the figures of a run, for each frame."""
+"""How well strokes draw their clip: the figures of a run, for each drawing."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.clip import Clip
-from videovec.fit import draw_coverage
-from videovec.ink import extract_ink
-from videovec.progress import Progress
-from videovec.render import resolve_backend
-from videovec.settings import Config
+from videovec.picture import render_strokes
+from videovec.progress import Progress, Silent
+from videovec.settings import RenderSettings
 from videovec.tracks import StrokeTracks
 
 __all__ = ["Quality", "measure"]
@@ -23,33 +21,35 @@ class Quality:
     """What was measured, by drawing.
 
     Args:
-        psnr: Of the drawn ink against the seen ink over the page. dB [D]
-        error: Root of the squared error over the squared ink: 0 is perfect, 1 is a page left empty. [D]
+        psnr: Of the picture of the strokes against the source. dB [D]
+        error: Root of the squared error of that picture over that of an empty page: 0 is perfect, 1 is no better
+            than nothing. [D]
     """
 
     psnr: NDArray[np.float64]
     error: NDArray[np.float64]
 
 
-def measure(clip: Clip, tracks: StrokeTracks, config: Config, progress: Progress) -> Quality:
-    """Draw strokes and compare them with the ink of their clip.
+def measure(
+    clip: Clip, tracks: StrokeTracks, settings: RenderSettings | None = None, progress: Progress | None = None
+) -> Quality:
+    """Draw strokes and compare them with their clip.
 
     Args:
         clip: The clip.
         tracks: Its strokes.
-        config: How ink is told apart, and which renderer draws.
+        settings: Which renderer draws.
         progress: Told of the one stage.
     """
-    ink = extract_ink(clip, config.ink)
-    progress.stage("measure", ink.drawing_count)
-    backend = resolve_backend(config.render)
-    psnr, error = np.zeros(ink.drawing_count), np.zeros(ink.drawing_count)
-    for drawing, seen in enumerate(ink.coverage):
-        alone = tracks.strokes.at_drawing(drawing, as_drawing=0)
-        drawn = draw_coverage(alone, (1, *ink.size), backend)[0]
-        squared = np.sum((drawn.astype(np.float32) - seen) ** 2, dtype=float) / 255**2
-        there = np.sum(seen.astype(np.float32) ** 2, dtype=float) / 255**2
-        psnr[drawing] = -10 * np.log10(max(squared / seen.size, 1e-10))
-        error[drawing] = np.sqrt(squared / there) if there else float(squared > 0)
+    progress = progress or Silent()
+    progress.stage("measure", len(clip.drawings))
+    psnr, error = np.zeros(len(clip.drawings)), np.zeros(len(clip.drawings))
+    for drawing, source in enumerate(clip.drawings):
+        seen = source.astype(np.float32) / np.iinfo(source.dtype).max
+        drawn = render_strokes(tracks.strokes, clip.size, drawing, tracks.page, settings)
+        ours = float(np.mean((drawn - seen) ** 2, dtype=float))
+        empty = float(np.mean((tracks.page - seen) ** 2, dtype=float))
+        psnr[drawing] = -10 * np.log10(max(ours, 1e-10))
+        error[drawing] = np.sqrt(ours / max(empty, 1e-10))
         progress.advance()
     return Quality(psnr, error)

@@ -201,7 +201,7 @@ def _fit(plan: Plan, watch: Stopwatch) -> tuple[StrokeTracks, RunRecord]:
         folder.write_record(replace(record, status=status, seconds=watch.seconds()))
         raise
     tracks.save(folder.path / TRACKS)
-    quality = measure(plan.clip, tracks, plan.request.config, watch)
+    quality = measure(plan.clip, tracks, plan.request.config.render, watch)
     record = replace(record, status="fitted", seconds=watch.seconds(), **_figures(tracks, quality))
     folder.write_record(record)
     return tracks, record

@@ -37,7 +37,7 @@ class RunRecord:
         versions: Versions of videovec and of the libraries.
         seconds: How long each stage took.
         metrics: What was measured of the result.
-        frame_errors: Error of each frame: 0 is perfect, 1 a page left empty.
+        frame_errors: Error of each frame: 0 is perfect, 1 is no better than an empty page.
         outputs: Files that were written, relative to the folder.
     """
 
