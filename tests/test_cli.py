@@ -15,6 +15,7 @@ from types import ModuleType
 import imageio.v3 as iio
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from typer.testing import CliRunner, Result
 
 from videovec.cli import app
@@ -48,6 +49,14 @@ def tracks_of(clip: Clip) -> StrokeTracks:
     )
     page = np.ones(3)
     return StrokeTracks(clip.name, clip.size, page, clip.timeline, strokes, (), np.zeros(count), np.ones(count))
+
+
+def bar_image(side: int) -> NDArray[np.uint8]:
+    """A line 3 px wide from (0.2, 0.3) to (0.8, 0.7) of the side; its edge is a ramp one pixel wide."""
+    y, x = (np.mgrid[:side, :side] + 0.5) / side
+    along = np.clip(((x - 0.2) * 0.6 + (y - 0.3) * 0.4) / 0.52, 0, 1)
+    distance = side * np.hypot(x - 0.2 - 0.6 * along, y - 0.3 - 0.4 * along)
+    return np.repeat((255 * np.clip(distance - 1, 0, 1)).astype(np.uint8)[..., None], 3, axis=2)
 
 
 @pytest.fixture
@@ -313,6 +322,19 @@ def test_view_names_the_preview(videovec: Command, gif: Path, monkeypatch: pytes
     assert opened == [str(gif.parent / "clip_videovec" / "preview.mp4")]
     (gif.parent / "clip_videovec" / "preview.mp4").unlink()
     assert videovec("view", gif.parent / "clip_videovec").exit_code == 2
+
+
+def test_bench_measures_a_drawing_with_known_strokes(videovec: Command, tmp_path: Path) -> None:
+    folder = tmp_path / "stills" / "bar"
+    folder.mkdir(parents=True)
+    bar = np.linspace([0.2, 0.3], [0.8, 0.7], 4)
+    (folder / "truth.json").write_text(json.dumps({"strokes": [[bar.tolist()]]}))
+    iio.imwrite(folder / "w3_64.png", bar_image(64))
+    result = videovec("bench", "stills", tmp_path / "stills", "-s", "fit.steps=20", "-o", "scores.csv")
+    assert result.exit_code == 0, result.output
+    assert "w3 64" in result.stdout
+    assert len((tmp_path / "scores.csv").read_text().splitlines()) == 2
+    assert videovec("bench", "stills", tmp_path / "nothing").exit_code == 2
 
 
 def test_doctor_finds_this_machine_able(videovec: Command) -> None:

@@ -40,6 +40,7 @@ ORDER = (
     ("run", "finished_run"),
     ("bench",),
     ("options", "console"),
+    ("cli_bench",),
     ("cli",),
 )
 """Modules and packages of videovec; each may import those of its own line and of the lines above."""

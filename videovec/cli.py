@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from videovec.cli_bench import bench
 from videovec.console import complain, progress_on
 from videovec.errors import UserError, VideovecError
 from videovec.options import (
@@ -74,6 +75,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+app.add_typer(bench, name="bench")
 
 
 def _version(wanted: bool) -> None:

@@ -1,0 +1,46 @@
+"""``videovec bench``: measurements on drawings and clips whose true strokes are known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from videovec.console import progress_on
+from videovec.options import Preset, Quiet, Settings
+
+__all__ = ["bench"]
+
+bench = typer.Typer(no_args_is_help=True, help="Measure on drawings whose true strokes are known.")
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of NAME/truth.json and NAME/SET_SIZE.png.")]
+
+
+@bench.callback()
+def groups() -> None:
+    """Measure on drawings whose true strokes are known."""
+
+
+@bench.command()
+def stills(
+    folder: Folder,
+    sets: Annotated[list[str] | None, typer.Option("--set-name", help="Only this set; may be repeated.")] = None,
+    sizes: Annotated[list[int] | None, typer.Option("--size", help="Only this long edge; may be repeated.")] = None,
+    methods: Annotated[list[str] | None, typer.Option("--method", help="ours, autotrace ...; may be repeated.")] = None,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Also write every score to this CSV.")] = None,
+    preset: Preset = None,
+    settings: Settings = None,
+    quiet: Quiet = False,
+) -> None:
+    """Compare what tracers make of drawings with their true strokes."""
+    from videovec.bench import bench_stills, read_stills, scores_to_csv, scores_to_table
+    from videovec.config import configure
+    from videovec.files import write_file
+
+    found = read_stills(folder, sets or (), sizes or ())
+    with progress_on(quiet=quiet) as progress:
+        scores = bench_stills(found, configure(preset, settings or ()), methods or ("ours",), progress=progress)
+    typer.echo(scores_to_table(scores))
+    if out:
+        write_file(out, scores_to_csv(scores))
