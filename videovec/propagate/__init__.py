@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from videovec.propagate.births import Trace
-from videovec.propagate.register import Source, register, source_of
+from videovec.propagate.registration import Source, register, source_of
 from videovec.propagate.target import Target, make_target
 from videovec.propagate.walk import Propagated, propagate
 

@@ -11,7 +11,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from videovec.propagate.judge import Verdict, judge
-from videovec.propagate.register import COARSE, FINE, RIGID, Source, register
+from videovec.propagate.registration import COARSE, FINE, RIGID, Source, register
 from videovec.propagate.search import find_motions, scene_of
 from videovec.propagate.target import Target, sample
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from videovec.propagate.kernels import nearest, rotations
 from videovec.propagate.nodes import Nodes
-from videovec.propagate.register import Source, doubled
+from videovec.propagate.registration import Source, doubled
 from videovec.propagate.target import Target
 
 __all__ = ["Verdict", "between_nodes", "judge"]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from videovec.propagate.register import doubled
+from videovec.propagate.registration import doubled
 from videovec.propagate.target import Target
 
 __all__ = ["Motion", "Scene", "find_motions", "scene_of"]

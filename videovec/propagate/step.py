@@ -11,7 +11,7 @@ from videovec.propagate.hypotheses import place
 from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
 from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
-from videovec.propagate.register import SETTLE, SIMILAR, Source, register, source_of
+from videovec.propagate.registration import SETTLE, SIMILAR, Source, register, source_of
 from videovec.propagate.support import Support, find_support
 from videovec.propagate.target import Target
 from videovec.settings import PropagateSettings

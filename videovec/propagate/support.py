@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from videovec.propagate.kernels import nearest
 from videovec.propagate.nodes import Nodes
-from videovec.propagate.register import doubled
+from videovec.propagate.registration import doubled
 from videovec.propagate.target import Target
 
 __all__ = ["Support", "find_support"]

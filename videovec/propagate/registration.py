@@ -71,7 +71,7 @@ FINE = Phase(10, (6.0, 2.5), (10.0, 6.0), (12.0, 8.0), (2.0, 0.6), (0.2, 0.02))
 """After `COARSE`."""
 SETTLE = Phase(10, (6.0, 2.5), (10.0, 6.0), (12.0, 8.0), (4.0, 1.0), (0.4, 0.1))
 """When it is known which parts are seen: what is not seen goes back into shape."""
-SIMILAR = Phase(12, (6.0, 2.5), (6.0, 6.0), (8.0, 8.0), (2.0, 2.0), (0.3, 0.3), (0.7, 1.4))
+SIMILAR = Phase(12, (6.0, 4.0), (6.0, 6.0), (4.0, 2.0), (2.0, 2.0), (0.3, 0.3), (0.7, 1.4))
 """Last: local scale may change, which keeps points from sliding along their strokes."""
 
 
