@@ -38,9 +38,9 @@ ORDER = (
     ("export",),
     ("doctor", "run_folder", "quality"),
     ("run", "finished_run"),
-    ("bench",),
+    ("bench", "painting"),
     ("options", "console"),
-    ("cli_bench",),
+    ("cli_bench", "cli_brush"),
     ("cli",),
 )
 """Modules and packages of videovec; each may import those of its own line and of the lines above."""

@@ -15,6 +15,7 @@ import typer
 from typer.core import TyperGroup
 
 from videovec.cli_bench import bench
+from videovec.cli_brush import brush
 from videovec.console import complain, progress_on
 from videovec.errors import UserError, VideovecError
 from videovec.options import (
@@ -76,6 +77,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.add_typer(bench, name="bench")
+app.add_typer(brush, name="brush")
 
 
 def _version(wanted: bool) -> None:
