@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -397,6 +398,17 @@ def test_slow_motion_does_not_creep_through_a_hold(tmp_path: Path) -> None:
         iio.imwrite(tmp_path / f"a_{k:02d}.png", lines(0.1 * k))
     clip = decode(tmp_path)
     assert len(clip.drawings) == 12
+
+
+@pytest.mark.parametrize("name", ["robot.mp4", "ball.gif", "cat", "snail.png"])
+def test_our_samples_have_the_drawings_that_they_were_made_of(name: str) -> None:
+    samples = Path(__file__).parent.parent / "samples"
+    truth = json.loads((samples / "truth" / f"{name.split('.')[0]}.json").read_text())
+    clip = decode(samples / name)
+    assert clip.timeline.drawing_of_frame.tolist() == truth["drawing_of_frame"]
+    assert list(clip.size) == truth["size"][::-1]
+    if len(clip.drawings) > 1:
+        assert clip.timeline.frame_rate == truth["frame_rate"]
 
 
 # Errors: one line that names the thing, what it must be and what it got

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import json
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from videovec.clip import Clip, Timeline
+from videovec.decode import decode
 from videovec.errors import InputError
 from videovec.ink import Ink, extract_ink
 from videovec.settings import InkSettings
@@ -205,6 +208,32 @@ def test_jpeg_ringing_is_no_ink_and_its_chroma_makes_none(quality: int) -> None:
     assert error(ink, total) < 0.04
     assert ink.coverage[0][total > 0.99].mean() > 0.95 * 255
     assert ink.coverage[0][total == 0].mean() < 0.02 * 255
+
+
+def test_colour_at_half_resolution_does_not_widen_lines() -> None:
+    coverage, inks = three(4.0, (230, 80, 70))
+    exact = np.clip(np.rint(mix(inks)), 0, 255).astype(np.uint8)
+    luma, blue, red = (np.asarray(channel) for channel in Image.fromarray(exact).convert("YCbCr").split())
+    halved = [
+        np.asarray(Image.fromarray(channel).resize((80, 60), Image.Resampling.BOX).resize((160, 120)))
+        for channel in (blue, red)
+    ]
+    planes = [Image.fromarray(plane) for plane in (luma, *halved)]
+    ink = extract_ink(as_clip(np.asarray(Image.merge("YCbCr", planes).convert("RGB"))))
+    assert len(ink.palette) == 1
+    assert error(ink, coverage) < 0.02
+
+
+@pytest.mark.parametrize("name", ["robot.mp4", "ball.gif", "cat", "snail.png"])
+def test_our_samples_have_the_inks_that_they_were_drawn_with(name: str) -> None:
+    samples = Path(__file__).parent.parent / "samples"
+    truth = json.loads((samples / "truth" / f"{name.split('.')[0]}.json").read_text())
+    inks = np.array(sorted({tuple(stroke["color"]) for stroke in truth["strokes"]}))
+    ink = extract_ink(decode(samples / name))
+    assert len(ink.palette) == len(inks)
+    distance = np.linalg.norm(ink.palette[:, None] * 255 - inks[None], axis=2)
+    assert sorted(distance.argmin(axis=1).tolist()) == list(range(len(inks)))
+    assert distance.min(axis=1).max() < 25
 
 
 def test_lossless_art_without_noise_keeps_its_faintest_fringe() -> None:

@@ -19,6 +19,13 @@ __all__ = ["Ink", "extract_ink"]
 
 Floats = NDArray[np.float32]
 
+LUMA_CHROMA = np.array([[0.299, 0.587, 0.114], [-0.168736, -0.331264, 0.5], [0.5, -0.418688, -0.081312]])
+"""From RGB to YCbCr. Source: ITU-T T.871."""
+
+METRIC = LUMA_CHROMA.T @ np.diag([1, 0.1, 0.1]) @ LUMA_CHROMA
+"""How coverage is read from colour: mostly from luma, since video stores colour at half the resolution. Where all
+channels agree, as in lossless art, it makes no difference."""
+
 NEARBY = 7.0
 """How far along a line the ink that it shows is taken for its own. px"""
 
@@ -121,7 +128,8 @@ def _read_drawing(
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """Coverage and label of one drawing. uint8 [H, W] each"""
     label = _labels(deviation, inks, max(noise), max(settings.least_contrast, 4 * max(noise)))
-    scale = (inks / (inks**2).sum(axis=1, keepdims=True)).astype(np.float32)
+    weighted = inks @ METRIC
+    scale = (weighted / (weighted * inks).sum(axis=1, keepdims=True)).astype(np.float32)
     share = np.clip(np.einsum("hwc,hwc->hw", deviation, scale[label]), 0, 1)
     depth = magnitude(inks.astype(np.float32))[label]
     share[~_is_ink(share * depth, noise, settings)] = 0
