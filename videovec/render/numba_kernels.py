@@ -151,7 +151,7 @@ def evaluate(
         more = zero if is_inside else (more_lo if is_low else more_hi)
         ex, ey = far * rx + more * u * tx, far * ry + more * u * ty
         d = np.sqrt(ex * ex + ey * ey)
-        per_d = one / max(d, nearest)
+        per_d = one / max(d, tiny)
         has_tangent = is_inside | ((d < nearest) & has_speed)
         nx = -ty if has_tangent else (ex * per_d if d >= nearest else one)
         ny = tx if has_tangent else ey * per_d

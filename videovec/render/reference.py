@@ -15,9 +15,9 @@ from videovec.render.scene import Scene
 
 __all__ = ["composite_dense"]
 
-SAMPLES = 65
+SAMPLES = 33
 """Parameters among which the nearest point is sought before Newton's steps."""
-NEWTON_STEPS = 12
+NEWTON_STEPS = 10
 
 
 def composite_dense(scene: Scene, chunks: Chunks, pixels: Tensor, scale: float) -> tuple[Tensor, Tensor]:
@@ -126,8 +126,8 @@ def _excess_mass(h: Tensor, scale: float) -> Tensor:
 
 def _cumulative(z: Tensor, n: Tensor, scale: float) -> Tensor:
     """Integral up to z of the pixel's square projected on n: two boxes convolved, less a constant."""
-    wide = scale * n.max(dim=-1).values
-    thin = scale * n.min(dim=-1).values.clamp(min=NARROWEST)
+    nx, ny = n.unbind(-1)
+    wide, thin = scale * torch.maximum(nx, ny), scale * torch.minimum(nx, ny).clamp(min=NARROWEST)
 
     def parabola(x: Tensor) -> Tensor:
         return 0.5 * x.clamp(min=0).square()

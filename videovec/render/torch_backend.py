@@ -137,7 +137,9 @@ def _coverage(
     n = torch.where(has_tangent[:, None], across, r / d.clamp(min=NEAREST)[:, None])
     n = torch.where((has_tangent | has_direction)[:, None], n, n.new_tensor([1.0, 0.0]))
 
-    wide, thin = n.abs().max(-1).values, n.abs().min(-1).values
+    nx, ny = n.abs().unbind(-1)
+    # Not max(-1): where both are equal it would take the same one for both.
+    wide, thin = torch.maximum(nx, ny), torch.minimum(nx, ny)
     wide, thin = scale * wide, scale * thin.clamp(min=NARROWEST)
     return _from_middle(h - d, wide, thin) + _from_middle(h + d, wide, thin)
 
