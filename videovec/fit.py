@@ -11,6 +11,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from videovec.edits import edit
 from videovec.evidence import Evidence, gather_evidence
 from videovec.ink import Ink
 from videovec.optimise import Schedule, Term, optimise
@@ -19,7 +20,7 @@ from videovec.progress import Progress, Silent
 from videovec.render import Backend, render_image, resolve_backend
 from videovec.settings import FitSettings, RenderSettings, Weights
 from videovec.strokes import Strokes
-from videovec.temporal import Neighbours, acceleration, rigidity, width_change
+from videovec.temporal import Neighbours, acceleration, anchor, rigidity, width_change
 
 __all__ = ["FitResult", "draw_coverage", "fit", "judge"]
 
@@ -66,13 +67,30 @@ def fit(
     windows = list(_windows(ink.drawing_count, settings))
     schedule = _schedule(settings, ink.drawing_count)
     progress.stage("fit", schedule.steps * len(windows))
+    if ink.drawing_count == 1:
+        return judge(ink, _fit_drawing(ink, strokes, settings, backend, progress), backend)
     for first, last in windows:
         around = max(0, first - settings.overlap), min(ink.drawing_count - 1, last + settings.overlap)
         part = strokes.within(*around).shifted(-around[0])
         target = ink.coverage[around[0] : around[1] + 1]
-        fitted = optimise(part, target, schedule, _terms(part, settings.weights), backend, progress).strokes
+        fitted = optimise(
+            part, target, schedule, _terms(part, settings.weights, backend.device), backend, progress
+        ).strokes
         strokes = strokes.with_rows_of(fitted.shifted(around[0]).within(first, last))
     return judge(ink, strokes, backend)
+
+
+def _fit_drawing(ink: Ink, strokes: Strokes, settings: FitSettings, backend: Backend, progress: Progress) -> Strokes:
+    """Fit one drawing, and edit its strokes every so many steps."""
+    every = settings.edits.every or settings.steps
+    schedule = _schedule(settings, 1)
+    for begin in range(0, settings.steps, max(every, 1)):
+        if begin > 0:
+            strokes = edit(strokes, ink, settings.edits)
+        part = replace(schedule, begin=begin, end=min(begin + every, settings.steps))
+        terms = _terms(strokes, settings.weights, backend.device)
+        strokes = optimise(strokes, ink.coverage, part, terms, backend, progress).strokes
+    return strokes
 
 
 def judge(ink: Ink, strokes: Strokes, backend: Backend) -> FitResult:
@@ -130,14 +148,16 @@ def _windows(drawings: int, settings: FitSettings) -> Iterator[tuple[int, int]]:
     return ((a, b - 1) for a, b in pairwise(edges))
 
 
-def _terms(strokes: Strokes, weights: Weights) -> list[Term]:
+def _terms(strokes: Strokes, weights: Weights, device: torch.device) -> list[Term]:
     """The terms beside the photometric one that have a weight."""
-    neighbours = Neighbours.of(strokes.layout)
+    neighbours = Neighbours.of(strokes.layout, device)
+    start = torch.as_tensor(strokes.points, device=device)
     terms: list[tuple[float, Term]] = []
     if len(neighbours.points):
         terms += [
             (weights.acceleration, lambda p: acceleration(p.points, neighbours)),
             (weights.rigidity, lambda p: rigidity(p.points, neighbours)),
+            (weights.anchor, lambda p: anchor(p.points, start.to(p.points), neighbours)),
             (weights.width_change, lambda p: width_change(p.log_half_width, neighbours)),
         ]
     return [_weighted(weight, term) for weight, term in terms if weight > 0]

@@ -39,6 +39,8 @@ class Schedule:
         scale: Kernel scale at the start.
         coarse: Share of the steps over which the scale falls to 1.
         rebuild: Steps between two builds of the pair lists.
+        begin: First of the steps to take now; those before it were taken by earlier calls.
+        end: The step to stop before; none for all.
     """
 
     steps: int = 200
@@ -48,6 +50,13 @@ class Schedule:
     scale: float = 2.0
     coarse: float = 0.3
     rebuild: int = 10
+    begin: int = 0
+    end: int | None = None
+
+    @property
+    def span(self) -> range:
+        """The steps to take now."""
+        return range(self.begin, self.steps if self.end is None else self.end)
 
     def scale_at(self, step: int) -> float:
         """Kernel scale of a step: geometric from ``scale`` to 1, kept between two builds of the lists."""
@@ -89,18 +98,18 @@ def optimise(
         The strokes of the same topology and lives, and the course of the loss.
     """
     progress = progress or Silent()
-    if not len(strokes) or not schedule.steps:
+    if not len(strokes) or not schedule.span:
         return Optimised(strokes, np.zeros(0))
     backend = backend or resolve_backend(RenderSettings())
     parameters = Parameters.of(strokes, backend.device)
     seen = torch.as_tensor(target, device=backend.device)
     size = (target.shape[0], target.shape[1], target.shape[2])
     optimiser, rates = _optimiser(parameters, schedule)
-    losses = np.zeros(schedule.steps)
-    for step in range(schedule.steps):
+    losses = np.zeros(len(schedule.span))
+    for step in schedule.span:
         scale = schedule.scale_at(step)
         with torch.no_grad():
-            if step % schedule.rebuild == 0:
+            if step == schedule.begin or step % schedule.rebuild == 0:
                 intervals = parameters.intervals()
                 pairs = list_pairs(parameters.scene(size, intervals), scale)
             match = coverage_loss_and_gradients(parameters.scene(size, intervals), pairs, scale, seen)
@@ -111,7 +120,7 @@ def optimise(
         for group, rate in zip(optimiser.param_groups, rates, strict=True):
             group["lr"] = rate * schedule.decay_at(step)
         optimiser.step()
-        losses[step] = float(match.loss.sum())
+        losses[step - schedule.begin] = float(match.loss.sum())
         progress.advance()
     return Optimised(parameters.to_strokes(), losses)
 

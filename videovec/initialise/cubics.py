@@ -8,7 +8,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["fit_cubic", "fit_spline"]
+__all__ = ["fit_spline"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -144,21 +144,6 @@ def _fit_stretch(line: Floats, tolerance: float, ends: Floats, rounds: int, reac
     for i in range(len(cubics)):
         result[i] = cubics[i]
     return result
-
-
-def fit_cubic(line: Floats, first: Floats, last: Floats) -> tuple[Floats, Floats]:
-    """Fit one cubic to a line, from its first sample to its last.
-
-    Args:
-        line: Samples. [M, 2] px
-        first: Direction in which it begins; zero for any. [2]
-        last: Direction in which it is left backwards from its end; zero for any. [2]
-
-    Returns:
-        Control points [4, 2] px, and the distance of every sample from the cubic [M] px.
-    """
-    cubic, error = _fit_cubic(np.ascontiguousarray(line), first, last, _ROUNDS)
-    return cubic, error
 
 
 def fit_spline(line: Floats, corners: Ints, tolerance: float, is_closed: bool) -> Floats:

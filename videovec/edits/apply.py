@@ -1,0 +1,34 @@
+"""One round of edits."""
+
+from __future__ import annotations
+
+from videovec.edits.drop import drop
+from videovec.edits.joints import remove_joints
+from videovec.edits.layers import Page, layers_of
+from videovec.edits.uncovered import add_strokes
+from videovec.ink import Ink
+from videovec.settings import EditSettings
+from videovec.strokes import Strokes
+
+__all__ = ["edit"]
+
+
+def edit(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
+    """Simplify and densify the strokes of one drawing.
+
+    No edit raises the sum of squared coverage errors by more than ``settings.price`` for each control point that it
+    saves, nor adds one that does not lower it by as much.
+
+    Args:
+        strokes: Strokes of drawing 0.
+        ink: The ink of that drawing alone.
+        settings: Thresholds and the price.
+
+    Returns:
+        The edited strokes; those that stay keep their identities, new ones get new ones.
+    """
+    next_id = int(max(strokes.ids, default=0)) + 1  # one that was dropped keeps its identity to itself
+    page = Page(ink.coverage[0], layers_of(strokes, ink.size))
+    strokes = drop(strokes, page, settings)
+    strokes = add_strokes(strokes, page, ink, settings, next_id)
+    return remove_joints(strokes, page, settings)

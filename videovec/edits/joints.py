@@ -1,0 +1,115 @@
+"""Remove joints that the tolerance does not need: two segments become one where that draws the same."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.edits.layers import Page, layers_of
+from videovec.edits.shapes import Shape, shapes_of, strokes_of
+from videovec.edits.spans import span
+from videovec.settings import EditSettings
+from videovec.strokes import Strokes
+
+__all__ = ["remove_joints"]
+
+Floats = NDArray[np.float64]
+
+_SMOOTH = 20.0  # degrees; where a line turns more it has a corner, which stays
+_ROUNDS = 6  # each may halve the number of a stroke's segments
+_PROMISE = 2.0  # prices that a removal may seem to cost before it is drawn
+_POINTS = 3  # control points that go with a joint
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Removal:
+    """A joint that can go: its place in the stroke, the cubic across it [4, 2], and what that seems to cost."""
+
+    joint: int
+    cubic: Floats
+    cost: float
+
+
+def remove_joints(strokes: Strokes, page: Page, settings: EditSettings) -> Strokes:
+    """Join neighbouring segments, each time those that change the drawing least.
+
+    Args:
+        strokes: Strokes of one drawing.
+        page: They drawn, against the ink; changed as they change.
+        settings: The tolerance, and the price of a control point.
+
+    Returns:
+        The same strokes with fewer segments; corners stay.
+    """
+    shapes = shapes_of(strokes)
+    layers = layers_of(strokes, page.size)
+    removals = [_removals(shape, settings) for shape in shapes]
+    for _ in range(_ROUNDS):
+        trials = {i: _apart(found) for i, found in enumerate(removals) if found}
+        if not trials:
+            break
+        changed = [_without(shapes[i], found) for i, found in trials.items()]
+        drawn = layers_of(strokes_of(changed), page.size)
+        for (i, found), shape, layer in zip(trials.items(), changed, drawn, strict=True):
+            if page.rise([layers[i]], [layer]) <= settings.price * _POINTS * len(found):
+                page.exchange([layers[i]], [layer])
+                shapes[i], layers[i] = shape, layer
+                removals[i] = _removals(shape, settings)
+            else:
+                removals[i] = sorted(found, key=lambda removal: removal.cost)[: len(found) // 2]
+    return strokes_of(shapes)
+
+
+def _removals(shape: Shape, settings: EditSettings) -> list[_Removal]:
+    """The joints of a stroke that can go, alone, within the tolerance."""
+    control = shape.points[3 * np.arange(len(shape.half_width) - 1)[:, None] + np.arange(4)]
+    is_smooth = _smooth_joints(control, shape.is_closed)
+    joints = np.flatnonzero(is_smooth[1:-1]) + 1
+    if not len(joints):
+        return []
+    is_held = np.stack([is_smooth[joints - 1], is_smooth[joints + 1]], axis=1)
+    cubics, errors, arcs = span(control[joints - 1], control[joints], is_held)
+    cost = 2.0 * (np.square(errors) * arcs).sum(axis=1)  # both edges move by the error
+    half = arcs.shape[1] // 2
+    total = arcs.sum(axis=1)
+    share = arcs[:, :half].sum(axis=1) / np.maximum(total, 1e-9)
+    widths = shape.half_width
+    widened = (1.0 - share) * widths[joints - 1] + share * widths[joints + 1] - widths[joints]
+    cost += np.square(widened) * total
+    within = (errors.max(axis=1) <= settings.tolerance) & (cost <= _PROMISE * settings.price * _POINTS)
+    return [_Removal(int(joints[i]), cubics[i], float(cost[i])) for i in np.flatnonzero(within)]
+
+
+def _apart(found: list[_Removal]) -> list[_Removal]:
+    """The cheapest removals of which no two touch the same segment."""
+    taken: dict[int, _Removal] = {}
+    for removal in sorted(found, key=lambda removal: removal.cost):
+        if removal.joint - 1 not in taken and removal.joint + 1 not in taken:
+            taken[removal.joint] = removal
+    return list(taken.values())
+
+
+def _without(shape: Shape, removals: list[_Removal]) -> Shape:
+    """A stroke after some removals."""
+    points, keep = shape.points.copy(), np.ones(len(shape.points), bool)
+    for removal in removals:
+        middle = 3 * removal.joint
+        points[[middle - 2, middle + 2]] = removal.cubic[1:3]
+        keep[middle - 1 : middle + 2] = False
+    joints = np.delete(shape.half_width, [removal.joint for removal in removals])
+    return replace(shape, points=points[keep], half_width=joints)
+
+
+def _smooth_joints(control: Floats, is_closed: bool) -> NDArray[np.bool_]:
+    """Whether the line runs through each joint without a corner; ends of an open one are corners. bool [n+1]"""
+    arrive, leave = _unit(control[:-1, 3] - control[:-1, 2]), _unit(control[1:, 1] - control[1:, 0])
+    inside = (arrive * leave).sum(axis=1) > np.cos(np.radians(_SMOOTH))
+    seam = float(_unit(control[-1, 3] - control[-1, 2]) @ _unit(control[0, 1] - control[0, 0]))
+    ends = np.array([is_closed and seam > np.cos(np.radians(_SMOOTH))])
+    return np.concatenate([ends, inside, ends])
+
+
+def _unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-9))
