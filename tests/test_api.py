@@ -9,8 +9,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.main import get_command
 
 import videovec
+from videovec.cli import app
 
 PUBLIC = [
     "Clip",
@@ -79,3 +81,18 @@ def test_importing_videovec_or_its_command_line_loads_nothing_heavy() -> None:
 def test_importing_videovec_takes_less_than_a_fifth_of_a_second() -> None:
     code = "import time; start = time.process_time(); import videovec; print(time.process_time() - start)"
     assert min(float(_in_fresh_python(code)) for _ in range(3)) < 0.2
+
+
+def test_the_python_of_the_readme_names_what_exists() -> None:
+    readme = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    code = readme.partition("```python\n")[2].partition("```")[0]
+    asked = {node.attr for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Attribute)}
+    known = {*dir(videovec), *dir(videovec.StrokeTracks), "id", "life"}
+    assert asked <= known
+
+
+def test_the_commands_of_the_readme_exist() -> None:
+    readme = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    lines = [line for line in readme.splitlines() if line.startswith("videovec ")]
+    assert {line.split()[1] for line in lines} <= set(get_command(app).commands)  # type: ignore[attr-defined]
+    assert len(lines) > 4
