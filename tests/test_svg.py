@@ -73,12 +73,14 @@ def test_a_centre_line_draws_strokes_of_constant_width() -> None:
     assert {path.get("stroke-linejoin") for path in paths(document)} == {"round"}
 
 
-def test_auto_draws_a_line_where_that_is_within_a_quarter_pixel_on_every_drawing() -> None:
+def test_auto_draws_a_line_where_that_is_within_a_quarter_pixel_of_nearly_all_edges() -> None:
     thickens = life(2, WAVE, [2.0] * 3)
     thickens = replace(thickens, half_width=np.array([[2.0, 2, 2], [2.0, 3, 2]]))
-    tracks = tracks_of([life(1, WAVE, [2.0, 2.3, 2.0]), thickens, life(3, WAVE, [2.0, 2.8, 2.0])])
+    many = np.concatenate([WAVE[:1], np.repeat(np.linspace(12, 80, 30), 3)[:, None] + np.array([0, 3])])
+    odd = life(4, many, [2.0] * 30 + [2.9])
+    tracks = tracks_of([life(1, WAVE, [2.0, 2.3, 2.0]), thickens, life(3, WAVE, [2.0, 2.8, 2.0]), odd])
     kinds = [path.get("fill") == "none" for path in paths(svg_frame(tracks, 0))]
-    assert kinds == [True, False, False]
+    assert kinds == [True, False, False, True]
 
 
 def test_what_is_hidden_is_not_drawn_and_half_a_stroke_ends_where_it_is_hidden() -> None:

@@ -183,6 +183,8 @@ class ExportSettings:
 
     svg_style: Annotated[str, OneOf(("auto", "stroke", "outline", "powerstroke"))] = "auto"
     """auto, stroke, outline or powerstroke."""
+    line_tolerance: Annotated[float, Between(0)] = 0.25
+    """A stroke is written as a line of its mean width where that draws 95 % of its edge within this. px"""
     lottie_tolerance: Annotated[float, Between(0)] = 0.25
     """How far a reduced keyframe curve may lie from the fitted one. px"""
     lottie_decimals: Annotated[int, Between(0, 6)] = 2

@@ -32,7 +32,7 @@ def get_writer(format_name: str) -> Writer:
 
 def _svg(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]:
     numbers = tracks.timeline.frame_numbers.tolist()
-    for number, document in zip(numbers, svg_frames(tracks, settings.svg_style), strict=True):
+    for number, document in zip(numbers, svg_frames(tracks, settings.svg_style, settings.line_tolerance), strict=True):
         yield OutputFile(f"svg/frame_{number:04d}.svg", document.encode())
 
 

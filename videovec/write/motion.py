@@ -65,7 +65,7 @@ def stroke_motions(tracks: StrokeTracks, base: TimeBase, settings: ExportSetting
         Each stroke of which anything is ever seen.
     """
     strokes = tracks.strokes
-    is_line = is_constant_width(strokes)
+    is_line = is_constant_width(strokes, settings.line_tolerance)
     mean = mean_half_widths(strokes)
     for stroke in np.argsort(strokes.layer, kind="stable"):
         rows = np.arange(*strokes.layout.stroke_rows[stroke : stroke + 2])

@@ -32,7 +32,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 _ABOUT = 3.0  # radians of turn, of pi, from which a corner is one that turns about
-_INSIDE = 0.1  # px by which a side nearer to another part of the stroke lies within its ink
+_INSIDE = 0.02  # px by which a side nearer to another part of the stroke lies within its ink
+_SHORTEST = 1.5  # px along a side under which a piece is not cut again, however the curve twists there
 _TOLERANCE = 0.02  # px between an offset curve and the cubics that stand for it
 _PIECES = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32)
 _THIRDS = np.arange(4) / 3
@@ -65,7 +66,7 @@ def plan_outline(shapes: Sequence[StrokeShape], tolerance: float = _TOLERANCE) -
 
     Args:
         shapes: One stroke, on one or more drawings.
-        tolerance: How far a side may lie from the true offset curve. px
+        tolerance: How far a side may lie from the true offset curve, where that is no twist smaller than a pixel. px
 
     Returns:
         The plan, with as few pieces as will do for all.
@@ -110,10 +111,12 @@ def _pieces_needed(control: Floats, widths: Floats, tolerance: float) -> Ints:
     """Cubics on a side of each segment, the same for all K shapes. int [n]"""
     needed = np.full(control.shape[1], _PIECES[-1], dtype=np.intp)
     open_ = np.arange(control.shape[1])
-    grid = even_grid(control.reshape(-1, 4, 2), widths.reshape(-1, 2)).reshape(*widths.shape[:2], -1)
+    grid, extent = even_grid(control.reshape(-1, 4, 2), widths.reshape(-1, 2))
+    grid, enough = grid.reshape(*widths.shape[:2], -1), (extent / _SHORTEST).reshape(widths.shape[:2])
     for count in _PIECES[:-1]:
         some, wide, cuts = (array[:, open_].reshape(-1, *array.shape[2:]) for array in (control, widths, grid))
-        is_good = _side_error(some, wide, cuts, count, tolerance).reshape(len(control), -1).max(0) <= tolerance
+        error = _side_error(some, wide, cuts, count, tolerance).reshape(len(control), -1)
+        is_good = ((error <= tolerance) | (count >= enough[:, open_])).all(0)
         needed[open_[is_good]] = count
         open_ = open_[~is_good]
         if not len(open_):
@@ -147,7 +150,7 @@ def _side_error(control: Floats, widths: Floats, grid: Floats, count: int, toler
 
 def _through(samples: Floats, is_tight: NDArray[np.bool_]) -> Floats:
     """Cubics through four samples each; straight ones where the side is held back, for those lie inside the ink."""
-    straight = np.asarray(is_tight.any(-1))[..., None, None]
+    straight = np.asarray(is_tight.all(-1))[..., None, None]
     return np.where(straight, _STRAIGHT @ samples, _THROUGH @ samples)
 
 
@@ -228,7 +231,7 @@ def _knots(control: Floats, widths: Floats, shapes: Sequence[StrokeShape], plan:
     """Segment [K, Q] and four parameters [K, Q, 4] of each piece; hidden pieces lie at the end of the visible part."""
     count = len(plan.pieces)
     ends = np.stack([widths[:, :-1], widths[:, 1:]], -1)
-    grid = even_grid(control.reshape(-1, 4, 2), ends.reshape(-1, 2)).reshape(len(shapes), count, -1)
+    grid = even_grid(control.reshape(-1, 4, 2), ends.reshape(-1, 2))[0].reshape(len(shapes), count, -1)
     cuts = [k + shared_out(grid[:, k], int(pieces)) for k, pieces in enumerate(plan.pieces)]
     edges = np.concatenate([np.stack([cut[:, :-1], cut[:, 1:]], -1) for cut in cuts], axis=1)  # [K, Q, 2]
     segment = np.tile(np.repeat(np.arange(count), plan.pieces), (len(shapes), 1))

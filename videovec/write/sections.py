@@ -71,21 +71,30 @@ class Stations:
         return self.center + (sign * reach)[..., None] * self.normal
 
 
-def even_grid(control: Floats, widths: Floats) -> Floats:
-    """Parameters that share each segment out evenly, by length and by turn times half-width. [G, steps + 1]"""
+def even_grid(control: Floats, widths: Floats) -> tuple[Floats, Floats]:
+    """Parameters that share each segment out evenly, by length and by turn times half-width.
+
+    Args:
+        control: Control points of each segment. [G, 4, 2] px
+        widths: Half-width at both of its ends. [G, 2] px
+
+    Returns:
+        Parameters [G, steps + 1], and how long the longer side of each segment is about. [G] px
+    """
     t = np.tile(np.linspace(0, 1, _GRID + 1), (len(control), 1))
     for _ in range(_ROUNDS):
         stations = Stations.at(control, widths[:, :1] + (widths[:, 1:] - widths[:, :1]) * t, t)
         length = np.linalg.norm(np.diff(stations.center, axis=1), axis=-1)
         turn = np.abs(angle_between(stations.tangent[:, :-1], stations.tangent[:, 1:]))
-        cost = _LENGTH_COST * length + turn * (stations.half_width[:, 1:] + stations.half_width[:, :-1]) / 2
+        swept = turn * (stations.half_width[:, 1:] + stations.half_width[:, :-1]) / 2
+        cost = _LENGTH_COST * length + swept
         cost += 0.1 * cost.mean(1, keepdims=True) + 1e-9
         share = np.concatenate([np.zeros((len(cost), 1)), np.cumsum(cost, axis=1)], axis=1)
         share /= share[:, -1:]
         offset = 2.0 * np.arange(len(t))[:, None]  # one interpolation for all segments, each in a range of its own
         wanted = np.linspace(0, 1, _GRID + 1) + offset
         t = np.interp(wanted, (share + offset).ravel(), t.ravel())
-    return t
+    return t, (length + swept).sum(1)
 
 
 def shared_out(grid: Floats, count: int) -> Floats:

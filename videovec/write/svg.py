@@ -33,17 +33,20 @@ _INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
 
 def svg_frame(tracks: StrokeTracks, frame: int, style: str = "auto") -> str:
     """A frame as an SVG document; see :func:`svg_frames`."""
-    return next(svg_frames(tracks, style, [frame]))
+    return next(svg_frames(tracks, style, frames=[frame]))
 
 
-def svg_frames(tracks: StrokeTracks, style: str = "auto", frames: Iterable[int] | None = None) -> Iterator[str]:
+def svg_frames(
+    tracks: StrokeTracks, style: str = "auto", line_tolerance: float = 0.25, frames: Iterable[int] | None = None
+) -> Iterator[str]:
     """Frames as SVG documents.
 
     Args:
         tracks: The strokes of a clip.
         style: ``stroke`` draws centre lines of each stroke's mean width, ``outline`` filled outlines, ``powerstroke``
-            outlines that Inkscape opens as centre lines with widths, ``auto`` centre lines for strokes that these draw
-            within 0.25 px of their edges on every drawing, powerstrokes for the others.
+            outlines that Inkscape opens as centre lines with widths, ``auto`` centre lines where these do
+            well, powerstrokes elsewhere.
+        line_tolerance: How far the edge of a line of mean width may lie from 95 % of a stroke's in ``auto``. px
         frames: Positions of the frames, from 0; all unless given.
 
     Yields:
@@ -55,7 +58,9 @@ def svg_frames(tracks: StrokeTracks, style: str = "auto", frames: Iterable[int] 
     if style not in SVG_STYLES:
         raise ConfigError(f"svg style must be one of {', '.join(SVG_STYLES)}, got {style!r}")
     strokes = tracks.strokes
-    is_line = is_constant_width(strokes) if style == "auto" else np.full(len(strokes), style == "stroke")
+    is_line = (
+        is_constant_width(strokes, line_tolerance) if style == "auto" else np.full(len(strokes), style == "stroke")
+    )
     wanted = tracks.timeline.drawing_of_frame[range(tracks.timeline.frame_count) if frames is None else list(frames)]
     sketch = _Sketch(tracks, is_line, style in ("auto", "powerstroke"), _outlines(strokes, ~is_line, wanted))
     documents: dict[int, str] = {}
