@@ -18,6 +18,7 @@ from videovec.strokes import Layout
 __all__ = ["Neighbours", "acceleration", "anchor", "rigidity", "width_change"]
 
 _HOPS = (1, 2, 4, 8)  # control points between the ends and the middle of a triple
+_SMALL = 0.5  # px; differences in time that are larger are motion
 _SHORT = 1.0  # px²; a triple whose ends are nearer than this says nothing about shape
 
 
@@ -91,17 +92,19 @@ def _triples(layout: Layout, points: NDArray[np.intp]) -> tuple[NDArray[np.intp]
 
 
 def acceleration(points: Tensor, neighbours: Neighbours) -> Tensor:
-    """Sum of squared second differences over drawings.
+    """How much strokes tremble: their second differences over drawings, as far as these are small.
+
+    A tremble is a fraction of a pixel; what moves by more than `_SMALL` meant to, and is not held back.
 
     Args:
         points: Control points, row by row. [P, 2] px
         neighbours: Who follows whom.
 
     Returns:
-        Sum over control points, px² per drawing⁴. Scalar.
+        Sum over control points of the robust square. px² per drawing⁴. Scalar.
     """
     middle, stride = neighbours.middle, neighbours.stride
-    return (points[middle - stride] - 2 * points[middle] + points[middle + stride]).square().sum()
+    return _robust(points[middle - stride] - 2 * points[middle] + points[middle + stride]).sum()
 
 
 def anchor(points: Tensor, start: Tensor, neighbours: Neighbours) -> Tensor:
@@ -132,7 +135,7 @@ def rigidity(points: Tensor, neighbours: Neighbours) -> Tensor:
         neighbours: Who follows whom.
 
     Returns:
-        Sum over triples of the squared distance, weighted by one over their reach. px². Scalar.
+        Sum over triples of the robust square of the distance, weighted by one over their reach. px². Scalar.
 
     Source:
         After Sorkine and Alexa 2007, "As-rigid-as-possible surface modeling", with similarities for rotations.
@@ -143,7 +146,12 @@ def rigidity(points: Tensor, neighbours: Neighbours) -> Tensor:
     weight = _tells_shape(now) * _tells_shape(later) / neighbours.hops
     ahead = later[:, 1] - _transferred(now, later)
     back = now[:, 1] - _transferred(later, now)
-    return 0.5 * (weight[:, None] * (ahead.square() + back.square())).sum()
+    return 0.5 * (weight * (_robust(ahead) + _robust(back))).sum()
+
+
+def _robust(differences: Tensor) -> Tensor:
+    """Squared lengths that grow only as a logarithm beyond `_SMALL`: Cauchy's loss. [N]"""
+    return _SMALL**2 * torch.log1p(differences.square().sum(1) / _SMALL**2)
 
 
 def _tells_shape(triples: Tensor) -> Tensor:
