@@ -140,6 +140,14 @@ def test_one_palette_serves_the_whole_clip() -> None:
     assert levels(alone)[int(alone.label[0][blue > 0.5][0])] == [40, 60, 200]
 
 
+def test_a_drawing_without_ink_has_none_in_a_clip_that_has_some() -> None:
+    coverage, inks = three(3.0)
+    blank = mix([])
+    ink = extract_ink(as_clip(blank, mix(inks), blank))
+    assert ink.coverage[0].max() == ink.coverage[2].max() == 0
+    assert error(ink, coverage, 1) < 0.003
+
+
 @pytest.mark.parametrize("page", [(20, 24, 22), (0, 0, 0), (40, 70, 55)])
 @pytest.mark.parametrize("width", [0.5, 3.0])
 def test_chalk_on_a_dark_board_is_ink(page: Color, width: float) -> None:

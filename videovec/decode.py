@@ -58,7 +58,7 @@ def decode(
     settings, progress = settings or DecodeSettings(), progress or Silent()
     path, chosen = Path(path), frames or slice(None)
     source = open_source(path, settings, progress)
-    progress.stage("decode", source.frame_count)
+    progress.stage("decode", len(range(*chosen.indices(source.frame_count))) if (chosen.step or 1) > 0 else 0)
     merger = HoldMerger(settings.hold_tolerance)
     numbers, drawing_of_frame, spans = [], [], []
     for number, frame in _select(source, chosen, path):

@@ -37,9 +37,9 @@ class _Hold:
     """The drawing at hand: its first frame, and the sum of all once they differ."""
 
     first: Pixels
-    noise: float
     count: int = 1
     total: NDArray[np.float64] | None = None
+    noise: float | None = None
 
     def join(self, image: Pixels) -> None:
         if self.total is None and not np.array_equal(image, self.first):
@@ -57,7 +57,12 @@ class _Hold:
     def shows(self, image: Pixels, tolerance: float) -> bool:
         if np.array_equal(image, self.first):
             return True
-        return largest_change(self.mean(), image) <= min(tolerance, max(QUIET, WORST_WINDOW * self.noise))
+        change = largest_change(self.mean(), image)
+        if change <= min(QUIET, tolerance) or change > tolerance:
+            return change <= tolerance
+        if self.noise is None:
+            self.noise = compression_noise(self.first)
+        return change <= WORST_WINDOW * self.noise
 
 
 @dataclass(slots=True)
@@ -87,7 +92,7 @@ class HoldMerger:
             self._hold.join(image)
         else:
             self.finish()
-            self._hold = _Hold(image, compression_noise(image))
+            self._hold = _Hold(image)
         return len(self.drawings)
 
     def finish(self) -> None:
@@ -104,8 +109,9 @@ def _levels(image: Pixels) -> Floats:
 
 def largest_change(before: Pixels, after: Pixels) -> float:
     """Root mean square change in the window and channel where it is largest. 8-bit levels"""
-    squares = (_levels(after) - _levels(before)) ** 2
-    return math.sqrt(max(0.0, float(cv2.blur(squares, (WINDOW, WINDOW)).max())))
+    levels = 255 / float(np.iinfo(before.dtype).max)
+    squares = cv2.sqrBoxFilter(cv2.absdiff(after, before), cv2.CV_32F, (WINDOW, WINDOW))
+    return levels * math.sqrt(float(squares.max()))
 
 
 def compression_noise(image: Pixels) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -109,17 +110,23 @@ def _survey(
     clip: Clip, samples: NDArray[np.intp], page: Page, settings: InkSettings
 ) -> tuple[tuple[float, float], NDArray[np.float64]]:
     """Noise far from ink and beside it, and the palette."""
-    deviations = [_deviation(unit_values(clip.drawings[drawing]), page) for drawing in samples]
-    strongest = max(float(np.quantile(magnitude(deviation), 0.9999)) for deviation in deviations)
+
+    def deviations() -> Iterator[Floats]:
+        return (_deviation(unit_values(clip.drawings[drawing]), page) for drawing in samples)
+
+    peaks, noises = [], []
+    for deviation in deviations():
+        peaks.append(float(np.quantile(magnitude(deviation), 0.9999)))
+        noises.append(page_noise(deviation, peaks[-1]))
+    strongest = max(peaks)
     if strongest < settings.least_contrast:
         raise InputError(
             f"{clip.name}: must show lines that differ from the page by {settings.least_contrast:.0%} of full, "
             f"got no ink (at most {strongest:.1%})"
         )
-    noises = [page_noise(deviation, strongest) for deviation in deviations]
     far, beside = (float(np.median([noise[k] for noise in noises])) for k in (0, 1))
     threshold = max(settings.least_contrast, 6 * max(far, beside), 0.15 * strongest)
-    cores = Cores.concatenate([find_cores(deviation, threshold)[1] for deviation in deviations])
+    cores = Cores.concatenate([find_cores(deviation, threshold)[1] for deviation in deviations()])
     return (far, beside), estimate_palette(cores, page.color, max(far, beside))
 
 
