@@ -6,6 +6,7 @@ from videovec.brush.detect import TextureEvidence, looks_textured
 from videovec.brush.export_brush import export_brush
 from videovec.brush.fit_brush import BrushFit, fit_brush
 from videovec.brush.model import Brush, BrushModel, Laying
+from videovec.brush.solidify import solidify
 from videovec.brush.storage import load_brush
 
 __all__ = [
@@ -21,4 +22,5 @@ __all__ = [
     "load_brush",
     "looks_textured",
     "solid_strokes",
+    "solidify",
 ]
