@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from videovec.propagate.births import Trace
+from videovec.propagate.inks import propagate
 from videovec.propagate.registration import Source, register, source_of
 from videovec.propagate.target import Target, make_target
-from videovec.propagate.walk import Propagated, propagate
+from videovec.propagate.walk import Propagated
 
 __all__ = ["Propagated", "Source", "Target", "Trace", "make_target", "propagate", "register", "source_of"]

@@ -20,7 +20,7 @@ from videovec.propagate.target import Target, make_target
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
 
-__all__ = ["Propagated", "propagate"]
+__all__ = ["Propagated", "walk"]
 
 _CUT_INK = 0.6
 """Share of ink without strokes, and of strokes without ink, from which on a new shot has begun."""
@@ -41,27 +41,10 @@ class Propagated:
     confidence: NDArray[np.float64]
 
 
-def propagate(
+def walk(
     ink: Ink, strokes: Strokes, settings: PropagateSettings, trace: Trace, progress: Progress | None = None
 ) -> Propagated:
-    """Carry strokes from the drawing on which they are known to all drawings.
-
-    Strokes whose ink vanishes end, or are hidden if it comes back within ``settings.memory`` drawings; ink that no
-    stroke explains is traced and followed both ways; a cut ends all lives, and the drawing after it is traced anew.
-
-    Args:
-        ink: D drawings.
-        strokes: Strokes that live on one drawing alone. Without any, the first drawing is traced.
-        settings: How.
-        trace: Traces strokes on the ink of one drawing.
-        progress: Told of every drawing.
-
-    Returns:
-        The strokes with their lives, what happened to them, and how sure that is.
-
-    Raises:
-        FitError: The strokes live on more than one drawing.
-    """
+    """Carry strokes of one ink over all drawings; see `propagate`."""
     progress = progress or Silent()
     progress.stage("propagate", ink.drawing_count - 1)
     lives = open_lives(strokes if len(strokes) else trace(ink, 0))
