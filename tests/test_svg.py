@@ -123,6 +123,8 @@ def test_a_powerstroke_remembers_its_centre_line_and_half_widths(tracks: StrokeT
     effect = effects[str(tapered.get(f"{INKSCAPE}path-effect")).removeprefix("#")]
     assert effect.get("offset_points") == "0,1.5 | 1,3 | 2,2"
     assert effect.get("effect") == "powerstroke"
+    dot = next(path for path in paths(document) if path.get("id") == "stroke-0003")
+    assert dot.get(f"{INKSCAPE}path-effect") is None  # Inkscape would make nothing of it
 
 
 def test_a_stroke_has_the_same_number_of_points_in_every_frame() -> None:

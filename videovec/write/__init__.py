@@ -9,6 +9,7 @@ from videovec.errors import ConfigError
 from videovec.files import OutputFile
 from videovec.settings import ExportSettings
 from videovec.tracks import StrokeTracks
+from videovec.write.animated_svg import animated_svg_text
 from videovec.write.lottie import dotlottie_bytes, lottie_text
 from videovec.write.svg import svg_frames
 
@@ -44,6 +45,10 @@ def _dotlottie(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[Outpu
     yield OutputFile("clip.lottie", dotlottie_bytes(lottie_text(tracks, settings)))
 
 
+def _animated_svg(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]:
+    yield OutputFile("clip.svg", animated_svg_text(tracks, settings).encode())
+
+
 def _npz(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]:
     yield OutputFile("tracks.npz", tracks.to_bytes())
 
@@ -52,4 +57,11 @@ def _json(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile
     yield OutputFile("tracks.json", tracks.to_json().encode())
 
 
-WRITERS: dict[str, Writer] = {"svg": _svg, "lottie": _lottie, "dotlottie": _dotlottie, "npz": _npz, "json": _json}
+WRITERS: dict[str, Writer] = {
+    "svg": _svg,
+    "lottie": _lottie,
+    "dotlottie": _dotlottie,
+    "animated_svg": _animated_svg,
+    "npz": _npz,
+    "json": _json,
+}

@@ -35,7 +35,8 @@ class StrokeMotion:
         begin: When it is first shown. Ticks
         end: When it is shown no more. Ticks
         color: Ink, sRGB in [0, 1]. [3]
-        loops: Its centre line, or the one or two closed loops of its outline. Values [K, 3n+1, 2] px
+        loops: Its centre line, or the one or two closed loops of its outline, which share their keyframes. Values
+            [K, 3n+1, 2] px
         is_closed: Whether the loops are closed; an outline's always are.
         half_width: Of a centre line; none for an outline, which is filled. Values [K] px
         visible: The part of a centre line that is seen; none where that is always all of it. Values [K, 2]
@@ -114,8 +115,11 @@ def _lines(shapes: list[StrokeShape], clock: _Clock) -> tuple[Animated, ...]:
 
 
 def _outlines(shapes: list[StrokeShape], clock: _Clock) -> tuple[Animated, ...]:
+    """One or two loops with the same keyframes."""
     loops = outline(shapes, plan_outline(shapes))
-    return tuple(clock.reduce(loop, clock.tolerance / np.sqrt(2)) for loop in loops)
+    ends = np.cumsum([loop.shape[1] for loop in loops])[:-1]
+    both = clock.reduce(np.concatenate(loops, axis=1), clock.tolerance / np.sqrt(2))
+    return tuple(Animated(both.times, part, both.is_hold) for part in np.split(both.values, ends, axis=1))
 
 
 def _visible(shapes: list[StrokeShape], clock: _Clock) -> Animated | None:

@@ -22,12 +22,13 @@ from videovec.tracks import StrokeTracks
 from videovec.write.outline import outline, plan_outline
 from videovec.write.style import is_constant_width
 
-__all__ = ["SVG_STYLES", "path_data", "svg_frame", "svg_frames"]
+__all__ = ["SVG_STYLES", "number", "path_data", "svg_frame", "svg_frames"]
 
 SVG_STYLES = ("auto", "stroke", "outline", "powerstroke")
 
 Floats = NDArray[np.float64]
 
+_DOT = 0.05  # px of extent up to which Inkscape makes nothing of a centre line
 _INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
 
 
@@ -126,7 +127,7 @@ def _path(sketch: _Sketch, row: int, shape: StrokeShape, document: svgwrite.Draw
     if row not in sketch.outlines:
         path = document.path(centre, fill="none", stroke=colour, debug=False)
         line = {
-            "stroke-width": _number(2 * part.mean_half_width),
+            "stroke-width": number(2 * part.mean_half_width),
             "stroke-linecap": "round",
             "stroke-linejoin": "round",
         }
@@ -136,7 +137,7 @@ def _path(sketch: _Sketch, row: int, shape: StrokeShape, document: svgwrite.Draw
         data = " ".join(path_data(loop, is_closed=True) for loop in loops if len(loop) > 1)
         path = document.path(data, fill=colour, stroke="none", debug=False)
         path.attribs.update({"fill-rule": "nonzero"} | _opacity("fill-opacity", part))
-        if sketch.is_live:
+        if sketch.is_live and np.ptp(part.points, axis=0).max() > _DOT:
             effect = f"width-{part.id:04d}"
             document.defs.add(_power_stroke(effect, part.half_width))
             path.attribs.update({"inkscape:path-effect": f"#{effect}", "inkscape:original-d": centre})
@@ -151,7 +152,7 @@ def path_data(points: Floats, is_closed: bool = False) -> str:
         points: Control points. [3n+1, 2] px
         is_closed: Whether it ends where it begins.
     """
-    words = [f"{_number(x)},{_number(y)}" for x, y in points.tolist()]
+    words = [f"{number(x)},{number(y)}" for x, y in points.tolist()]
     curves = "".join(f" C {' '.join(words[k : k + 3])}" for k in range(1, len(words), 3))
     return f"M {words[0]}{curves}{' Z' if is_closed else ''}"
 
@@ -165,7 +166,7 @@ def _power_stroke(name: str, half_width: Floats) -> BaseElement:
         "id": name,
         "is_visible": "true",
         "lpeversion": "1.3",
-        "offset_points": " | ".join(f"{k},{_number(width)}" for k, width in enumerate(half_width.tolist())),
+        "offset_points": " | ".join(f"{k},{number(width)}" for k, width in enumerate(half_width.tolist())),
         "not_jump": "true",
         "sort_points": "true",
         "interpolator_type": "Linear",
@@ -188,10 +189,10 @@ def _without_points(loop: Floats) -> Floats:
 
 
 def _opacity(name: str, shape: StrokeShape) -> dict[str, str]:
-    return {name: _number(shape.opacity)} if shape.opacity < 0.9995 else {}
+    return {name: number(shape.opacity)} if shape.opacity < 0.9995 else {}
 
 
-def _number(value: float) -> str:
-    """A number to three decimals, without trailing zeros or a negative zero."""
-    text = f"{value:.3f}".rstrip("0").rstrip(".")
+def number(value: float, decimals: int = 3) -> str:
+    """A number to so many decimals, without trailing zeros or a negative zero."""
+    text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
