@@ -30,7 +30,7 @@ ORDER = (
     ("propagate", "link"),
     ("edits",),
     ("fit",),
-    ("metrics",),
+    ("metrics", "clip_metrics"),
     ("track_archive", "life_edits", "stroke_track"),
     ("tracks", "track_edits", "track_layouts"),
     ("brush",),
