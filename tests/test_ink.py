@@ -15,7 +15,7 @@ from PIL import Image
 from videovec.clip import Clip, Timeline
 from videovec.decode import decode
 from videovec.errors import InputError
-from videovec.ink import Ink, extract_ink
+from videovec.ink import Ink, extract_ink, ink_alone
 from videovec.settings import InkSettings
 
 Floats = NDArray[np.float64]
@@ -261,3 +261,17 @@ def test_paper_grain_alone_is_a_blank_page() -> None:
     grain = np.random.default_rng(2).normal(0, 2.0, (*SIZE, 1))
     with pytest.raises(InputError, match="test: must show lines"):
         extract_ink(as_clip(mix([], (240, 240, 240)) + grain))
+
+
+def test_an_ink_alone_runs_on_under_another_that_crosses_it_and_ends_where_it_ends() -> None:
+    label = np.zeros((1, 60, 60), np.uint8)
+    coverage = np.zeros((1, 60, 60), np.uint8)
+    coverage[0, 28:32, 5:50] = 255  # a line of ink 0 that ends on a stem of ink 1, and is crossed by another
+    coverage[0, 5:55, 20:24] = coverage[0, 5:55, 50:54] = 255
+    label[0, 5:55, 20:24] = label[0, 5:55, 50:54] = 1
+    ink = Ink(coverage, label, np.eye(3)[:2], np.ones(3), 0.0)
+    alone = ink_alone(ink, 0).coverage[0]
+    assert (alone[29:31, 5:50] == 255).all()
+    assert not alone[:, 50:].any()
+    assert not alone[:26].any()
+    assert not alone[34:].any()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -16,7 +16,7 @@ from videovec.palette import SAME_COLOR, Cores, estimate_palette, find_cores, is
 from videovec.progress import Progress, Silent
 from videovec.settings import InkSettings
 
-__all__ = ["Ink", "extract_ink"]
+__all__ = ["Ink", "extract_ink", "ink_alone"]
 
 Floats = NDArray[np.float32]
 
@@ -99,6 +99,28 @@ def extract_ink(clip: Clip, settings: InkSettings | None = None, progress: Progr
         raise InputError(f"{clip.name}: must show lines on an even page, got no ink in any of {count} drawings")
     depth = float(magnitude((palette - page.color).astype(np.float32)).max())
     return Ink(coverage, label, palette, page.color, max(noise) / depth)
+
+
+def ink_alone(ink: Ink, label: int) -> Ink:
+    """One ink, without the others; where another crosses it, it runs on underneath.
+
+    Args:
+        ink: All inks.
+        label: Position of the one in the palette.
+
+    Returns:
+        Ink of the same size and palette.
+    """
+    if len(ink.palette) == 1:
+        return ink
+    coverage = np.where(ink.label == label, ink.coverage, np.uint8(0))
+    for drawing, whole in zip(coverage, ink.coverage, strict=True):
+        depth = cv2.distanceTransform((whole > 127).astype(np.uint8), cv2.DIST_L2, 3)
+        reach = 2 * int(np.ceil(np.percentile(depth[depth > 0], 95))) + 1 if depth.any() else 1
+        kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+        bridged = cv2.morphologyEx(drawing, cv2.MORPH_CLOSE, kernel)
+        np.maximum(drawing, np.minimum(bridged, np.where(drawing > 0, 0, whole)), out=drawing)
+    return replace(ink, coverage=coverage, label=np.full_like(ink.label, label))
 
 
 def _deviation(image: Floats, page: Page) -> Floats:

@@ -17,7 +17,7 @@ from videovec.initialise.lines import line_mask
 from videovec.initialise.prune import Widths, clean
 from videovec.initialise.thinning import thin
 from videovec.initialise.widths import measure_widths
-from videovec.ink import Ink
+from videovec.ink import Ink, ink_alone
 from videovec.settings import InitialiseSettings
 from videovec.strokes import Strokes
 
@@ -162,10 +162,10 @@ def trace(ink: Ink, drawing: int, settings: InitialiseSettings) -> Traced:
     Returns:
         Strokes that live on that drawing alone, each of one ink, and the junctions between them.
     """
-    coverage = ink.coverage[drawing].astype(np.float32) / np.float32(255.0)
+    alone = ink.at_drawing(drawing)
     parts, junctions, first_id = [], [], 1
     for label, color in enumerate(ink.palette):
-        own = np.where(ink.label[drawing] == label, coverage, np.float32(0.0))
+        own = ink_alone(alone, label).coverage[0].astype(np.float32) / np.float32(255.0)
         if not own.any():
             continue
         lines = _trace_coverage(own, ink.noise, settings)

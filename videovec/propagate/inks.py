@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from videovec.events import Event
-from videovec.ink import Ink
+from videovec.ink import Ink, ink_alone
 from videovec.progress import Progress
 from videovec.propagate.births import Trace
 from videovec.propagate.walk import Propagated, walk
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
 
-__all__ = ["ink_alone", "propagate"]
+__all__ = ["propagate"]
 
 _SEEN = 32
 """Coverage from which on a pixel shows an ink, of 255."""
@@ -61,26 +60,6 @@ def propagate(
         tuple(sorted(events, key=lambda event: event.drawing)),
         np.concatenate([np.zeros(0), *(part.confidence for part in parts)]),
     )
-
-
-def ink_alone(ink: Ink, label: int) -> Ink:
-    """One ink, without the others; where another crosses it, it runs on underneath.
-
-    Args:
-        ink: All inks.
-        label: Position of the one in the palette.
-
-    Returns:
-        Ink of the same size and palette.
-    """
-    coverage = np.where(ink.label == label, ink.coverage, np.uint8(0))
-    for drawing, whole in zip(coverage, ink.coverage, strict=True):
-        depth = cv2.distanceTransform((whole > 127).astype(np.uint8), cv2.DIST_L2, 3)
-        reach = 2 * int(np.ceil(np.percentile(depth[depth > 0], 95))) + 1 if depth.any() else 1
-        kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
-        bridged = cv2.morphologyEx(drawing, cv2.MORPH_CLOSE, kernel)
-        np.maximum(drawing, np.minimum(bridged, np.where(drawing > 0, 0, whole)), out=drawing)
-    return replace(ink, coverage=coverage, label=np.full_like(ink.label, label))
 
 
 def _renumbered(part: Propagated, known: NDArray[np.intp], next_id: int) -> Propagated:
