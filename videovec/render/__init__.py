@@ -1,6 +1,6 @@
 """The differentiable 2D Gaussian renderer of strokes, in closed form."""
 
-from videovec.render.backend import Backend, resolve_backend
+from videovec.render.backend import Backend, BackendReport, describe_backend, prepare_backend, resolve_backend
 from videovec.render.fused import CoverageMatch, coverage_loss_and_gradients
 from videovec.render.image import composite, render_image
 from videovec.render.pairs import PairList, list_pairs
@@ -8,12 +8,15 @@ from videovec.render.scene import Scene
 
 __all__ = [
     "Backend",
+    "BackendReport",
     "CoverageMatch",
     "PairList",
     "Scene",
     "composite",
     "coverage_loss_and_gradients",
+    "describe_backend",
     "list_pairs",
+    "prepare_backend",
     "render_image",
     "resolve_backend",
 ]
