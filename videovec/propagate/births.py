@@ -112,7 +112,7 @@ class Nursery:
         later = earlier + self._direction
         targets = [restricted(self._residuals[d].target, self._residuals[d].point) for d in (later, earlier)]
         coverage = self._ink_of(earlier, [patch.number for patch in self._residuals[earlier].patches]).coverage[0]
-        carry(back, coverage, (later, earlier), (targets[0], targets[1]), self._settings)
+        carry(back, coverage, (later, earlier), (targets[0], targets[1]), self._settings, grows=True)
         seen = []
         for follower in back:
             visible = follower.life.rows[earlier].visible

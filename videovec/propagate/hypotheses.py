@@ -15,7 +15,7 @@ from videovec.propagate.registration import COARSE, FINE, RIGID, Source, registe
 from videovec.propagate.search import find_motions, scene_of
 from videovec.propagate.target import Target, sample
 
-__all__ = ["place"]
+__all__ = ["place", "place_growing"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -53,12 +53,21 @@ def place(source: Source, target: Target, before: Target, velocity: Floats) -> t
     """
     positions = register(source, target, source.rest, (RIGID,))
     verdict = judge(source, target, positions)
-    if verdict.is_accepted(_ACCEPT) or not len(target):
+    if verdict.is_accepted(_ACCEPT):
         return source, positions
     positions, verdict = _best_start(source, target, before, velocity, (positions, verdict))
     if verdict.is_accepted(_ACCEPT):
         return source, positions
     return _search_parts(source, target, positions, verdict)
+
+
+def place_growing(source: Source, target: Target, before: Target, velocity: Floats) -> tuple[Source, Floats]:
+    """As `place`, for strokes of which less may be drawn: if they explain all ink where they are, they stay there."""
+    near = target.distance_at(source.rest) <= _TOUCH
+    positions = register(replace(source, weight=near.astype(float)), target, source.rest, (FINE,))
+    if len(target) and judge(source, target, positions).ink_far.mean() <= 2 * _ACCEPT:
+        return source, positions
+    return place(source, target, before, velocity)
 
 
 def _best_start(
@@ -99,7 +108,7 @@ def _search_parts(source: Source, target: Target, positions: Floats, verdict: Ve
     tangents = source.nodes.tangents(source.rest)
     for _ in range(_ROUNDS):
         group = _next_group(source, verdict, tried)
-        if group is None:
+        if group is None or verdict.is_accepted(_ACCEPT):
             break
         members = np.isin(source.nodes.stroke, group)
         scene = scene_of(target, np.clip(verdict.ink_cost / 4.0, 0.25, 1.0))

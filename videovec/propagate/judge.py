@@ -25,6 +25,8 @@ _DIRECTION = 6.0
 """Weight of direction in the feature distance. px"""
 _BENDING = 0.3
 """Weight of the root of the deformation energy; without it a crumpled stroke would win."""
+_BENT = 1.0
+"""Deformation at which strokes that have ink may be crumpled. px"""
 _STIFFNESS = (1.0, 0.05)
 """Of edges along and between strokes, in the deformation energy."""
 
@@ -50,8 +52,14 @@ class Verdict:
     bend: Floats
 
     def is_accepted(self, share: float) -> bool:
-        """Whether no more than a share of nodes and of ink is far from the other."""
-        return bool(np.mean(self.node_far) <= share and np.mean(self.ink_far) <= share)
+        """Whether there is hardly any ink left to find, or no stroke that could be sent for it.
+
+        Args:
+            share: Share of ink without strokes, and of nodes without ink, that is let pass.
+        """
+        if not len(self.ink_far) or self.ink_far.mean() <= share:
+            return True
+        return bool(np.mean(self.node_far) <= share and np.sqrt(np.mean(self.bend)) <= _BENT)
 
 
 def between_nodes(nodes: Nodes, positions: Floats) -> tuple[Floats, NDArray[np.intp]]:

@@ -15,11 +15,11 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 _SAMPLES = 32
-_MISFIT = 0.05
+_MISFIT = 0.025
 """Root mean square distance of two shapes that are one stroke, as a share of its length."""
 _SCALE = 1.25
 """Factor by which a stroke may have grown or shrunk."""
-_REACH = 1.5
+_REACH = 0.75
 """How far a hidden stroke may have gone, in its own lengths."""
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.propagate.hypotheses import place
+from videovec.propagate.hypotheses import place, place_growing
 from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
 from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
@@ -65,6 +65,7 @@ def carry(
     step: tuple[int, int],
     targets: tuple[Target, Target],
     settings: PropagateSettings,
+    grows: bool = False,
 ) -> Placement:
     """Take all lives from one drawing to the next and write their rows.
 
@@ -74,6 +75,7 @@ def carry(
         step: The drawing that the strokes come from, and the one that they go to.
         targets: Both drawings, prepared.
         settings: How.
+        grows: Whether less of the strokes may be drawn there.
 
     Returns:
         Where the strokes are now.
@@ -85,7 +87,8 @@ def carry(
     points = np.concatenate([np.zeros((0, 2)), *(row.points for row in rows)])
     source = source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows))
     velocity = np.concatenate([np.zeros((0, 2)), *(follower.velocity for follower in followers)])
-    loose, positions = place(source, targets[1], targets[0], velocity)
+    find = place_growing if grows else place
+    loose, positions = find(source, targets[1], targets[0], velocity)
     half_width = scale * np.array([follower.half_width(before) for follower in followers])
     support = find_support(nodes, positions, half_width, targets[1])
     positions = _settle(loose, targets[1], positions, support)

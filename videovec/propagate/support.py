@@ -19,7 +19,7 @@ Bools = NDArray[np.bool_]
 
 _NEAR = 2.5
 """Distance up to which ink supports a node, if its line is thin. px"""
-_OWN = 0.2
+_OWN = 0.3
 """Share of the seen nodes that must have ink of their own."""
 _DIRECTION = 6.0
 """Weight of direction when ink chooses its stroke. px"""
@@ -31,7 +31,7 @@ _SLACK = 2
 """Nodes at an end that may go without support, since the ends of skeletons are unsure."""
 _HULL = 0.6
 """Share of supported nodes above which gaps are bridged."""
-_SEEN = 0.15
+_SEEN = 0.2
 """Share of a stroke that must be seen for it to be there."""
 
 

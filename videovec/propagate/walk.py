@@ -15,6 +15,7 @@ from videovec.propagate.births import Nursery, Trace
 from videovec.propagate.happenings import events_of
 from videovec.propagate.record import Life, bind, open_lives
 from videovec.propagate.residual import Residual, find_residual
+from videovec.propagate.revive import revive
 from videovec.propagate.step import Follower, Placement, carry, follow
 from videovec.propagate.target import Target, make_target
 from videovec.settings import PropagateSettings
@@ -95,6 +96,7 @@ class _Walk:
             target = self._target(drawing)
             step = drawing - self._direction, drawing
             placed = carry(self._followers, self._ink.coverage[drawing], step, (previous, target), self._settings)
+            self._followers, placed = revive(self._followers, placed, target, drawing)
             residual = self._left(placed, target)
             if _is_cut(placed, residual):
                 self._cut(drawing)

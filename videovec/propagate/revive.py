@@ -1,0 +1,72 @@
+"""Hidden strokes whose ink is back where they wait for it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.propagate.step import Follower, Placement
+from videovec.propagate.target import Target
+
+__all__ = ["revive"]
+
+_BACK = 0.75
+"""Share of a hidden stroke's nodes that must lie on ink."""
+_NEAR = 3.0
+"""Distance within which a stroke stands in the place of another. px"""
+
+
+def revive(
+    followers: list[Follower], placed: Placement, target: Target, drawing: int
+) -> tuple[list[Follower], Placement]:
+    """Give ink back to hidden strokes from strokes that were born to explain it meanwhile.
+
+    Args:
+        followers: All lives, as they were placed.
+        placed: Where they are.
+        target: The drawing's ink.
+        drawing: Its number.
+
+    Returns:
+        The lives that go on, and what is seen of all of them now. Lives that a revived stroke replaces end before the
+        drawing.
+    """
+    nodes, positions = placed.nodes, placed.positions
+    reach = np.maximum(_NEAR, placed.half_width)
+    gap = target.distance_at(positions) if len(target) else np.full(len(nodes), np.inf)
+    ended: set[int] = set()
+    first, last = placed.support.first.copy(), placed.support.last.copy()
+    for s, follower in enumerate(followers):
+        own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
+        if not follower.unseen or np.mean(gap[own] <= reach[s]) < _BACK:
+            continue
+        young = [
+            k
+            for k, other in enumerate(followers)
+            if other is not follower and len(other.life.rows) - 1 <= follower.unseen + 1 and not other.unseen
+        ]
+        usurpers = [k for k in young if _covers(positions[own], _of(placed, k), reach[s])]
+        if not usurpers:
+            continue
+        ended.update(usurpers)
+        share = float(np.mean(gap[own] <= reach[s]))
+        follower.life.rows[drawing] = replace(follower.life.rows[drawing], visible=(0.0, 1.0), confidence=share)
+        follower.unseen = 0
+        first[s], last[s] = 0, own.stop - own.start - 1
+    for k in ended:
+        del followers[k].life.rows[drawing]
+        first[k], last[k] = 0, -1
+    go_on = [follower for k, follower in enumerate(followers) if k not in ended]
+    return go_on, replace(placed, support=replace(placed.support, first=first, last=last))
+
+
+def _of(placed: Placement, stroke: int) -> NDArray[np.float64]:
+    return placed.positions[placed.nodes.starts[stroke] : placed.nodes.starts[stroke + 1]]
+
+
+def _covers(wide: NDArray[np.float64], narrow: NDArray[np.float64], reach: float) -> bool:
+    """Whether most of some nodes lie at others, which are two or four px apart."""
+    gap = np.linalg.norm(narrow[:, None] - wide, axis=2).min(axis=1)
+    return bool(np.mean(gap <= reach + 2.0) > 0.7)
