@@ -26,6 +26,9 @@ Floats = NDArray[np.float32]
 MOST_INKS = 8
 """Largest number of inks of a clip."""
 
+MOST_CORES = 200_000
+"""Number of cores from which the inks of a clip are estimated."""
+
 SAME_COLOR = 0.17
 """Cores within this distance, over all channels, are of one ink."""
 
@@ -88,6 +91,11 @@ class Cores:
             np.concatenate([part.is_resolved for part in parts]),
             np.concatenate([part.is_certain for part in parts]),
         )
+
+    def thinned(self, most: int) -> Cores:
+        """Evenly chosen cores, no more than ``most``."""
+        step = max(1, -(-len(self.deviation) // most))
+        return Cores(self.deviation[::step], self.is_plateau[::step], self.is_resolved[::step], self.is_certain[::step])
 
 
 def magnitude(deviation: Floats) -> Floats:
@@ -153,6 +161,7 @@ def estimate_palette(cores: Cores, page: NDArray[np.float64], noise: float) -> N
     Returns:
         Colours, sRGB in [0, 1]. [I, 3]
     """
+    cores = cores.thinned(MOST_CORES)
     total = len(cores.deviation)
     colors = cores.deviation.astype(np.float64)
     inks = _shown_inks(colors[cores.is_plateau], max(16, PLATEAU_SHARE * total))
