@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 from dataclasses import replace
 from fractions import Fraction
@@ -16,10 +17,12 @@ from small_tracks import ROUND, SIZE, WAVE, life, tracks_of
 
 from videovec.clip import Clip
 from videovec.errors import ConfigError
+from videovec.events import Event, EventKind
 from videovec.export import FORMATS, export
 from videovec.tracks import StrokeTracks
 from videovec.write.colours import identity_colours
 from videovec.write.preview import contact_sheet, draw_identities
+from videovec.write.report import FrameFigures, report_html
 from videovec.write.video import preview_image, preview_video
 
 UNEVEN = (Fraction(0), Fraction(1, 10), Fraction(1, 4))
@@ -44,7 +47,15 @@ def test_a_folder_holds_a_file_of_every_format(tracks: StrokeTracks, clip: Clip,
     written = export(tracks, clip, tmp_path / "out")
     names = {path.relative_to(tmp_path / "out").as_posix() for path in written}
     frames = {f"svg/frame_{k:04d}.svg" for k in (1, 2, 3)}
-    assert names >= frames | {"clip.json", "clip.lottie", "tracks.npz", "tracks.json", "preview.mp4"}
+    assert names >= frames | {
+        "clip.json",
+        "clip.lottie",
+        "clip.svg",
+        "tracks.npz",
+        "tracks.json",
+        "preview.mp4",
+        "report.html",
+    }
     assert {path for path in (tmp_path / "out").rglob("*") if path.is_file()} == set(written)
 
 
@@ -89,6 +100,28 @@ def test_the_source_stands_beside_its_strokes(tracks: StrokeTracks, clip: Clip) 
     both = (left & right).sum() / (left | right).sum()
     assert both > 0.8
     assert preview_image(tracks, None, 0).shape[1] == half
+
+
+def test_the_report_tells_what_each_frame_is_worth(tracks: StrokeTracks, clip: Clip) -> None:
+    hurt = replace(tracks, name="a <b> & c", error=np.array([0.1, 0.3, 0.0, 0.4]))
+    figures = FrameFigures.of(hurt, np.array([40.0, 31.5]))
+    np.testing.assert_array_equal(figures.strokes, [2, 2, 2])
+    np.testing.assert_array_equal(figures.worst, [1, 2, 2])
+    np.testing.assert_allclose(figures.error, [np.sqrt(0.005), np.sqrt(0.125), np.sqrt(0.125)])
+    hurt = replace(hurt, events=(Event(EventKind.SPLIT, 1, (1, 2), (9,), 0.5),))
+    page = report_html(hurt, clip, np.array([40.0, 31.5]))
+    assert "a &lt;b&gt; &amp; c" in page
+    assert "PSNR 31.5 dB in the median, 31.5 dB at worst" in page
+    assert "<td>2<td>split<td>1, 2<td>9<td>0.50" in page
+    assert page.index("frame 2, 31.5 dB; the largest error lies under stroke 2") < page.index("frame 1, 40.0 dB")
+    picture = Image.open(io.BytesIO(base64.b64decode(page.split("base64,")[1].split('"')[0])))
+    np.testing.assert_array_equal(np.asarray(picture), preview_image(hurt, clip, 1))
+
+
+def test_a_report_of_nothing_is_a_report(tracks: StrokeTracks) -> None:
+    page = report_html(tracks.drop(1, 2), None, None)
+    assert "0 strokes" in page
+    assert "PSNR " not in page
 
 
 def test_a_still_has_a_picture_too(tmp_path: Path) -> None:

@@ -9,17 +9,20 @@ from pathlib import Path
 from PIL import Image
 
 from videovec.clip import Clip
+from videovec.config import suggestion
+from videovec.errors import ConfigError
 from videovec.files import OutputFile, write_file, write_folder
 from videovec.progress import Progress, Silent
+from videovec.quality import measure
 from videovec.settings import ExportSettings
 from videovec.tracks import StrokeTracks
 from videovec.write import WRITERS, get_writer
+from videovec.write.report import report_html
 from videovec.write.video import preview_image, preview_video
 
 __all__ = ["FORMATS", "export"]
 
-_PREVIEW = "preview"
-FORMATS = (*WRITERS, _PREVIEW)
+FORMATS = (*WRITERS, "preview", "report")
 
 
 def export(
@@ -34,7 +37,7 @@ def export(
 
     Args:
         tracks: The strokes of a clip.
-        clip: The clip, for the preview; without it the preview shows the strokes alone.
+        clip: The clip, for preview and report; without it these show the strokes alone.
         folder: Where to; made where it is missing.
         settings: How to write.
         formats: Some of :data:`FORMATS`.
@@ -49,15 +52,21 @@ def export(
     """
     settings, progress = settings or ExportSettings(), progress or Silent()
     for name in formats:
-        if name != _PREVIEW:
-            get_writer(name)
+        if name not in FORMATS:
+            raise ConfigError(f"unknown format {name}{suggestion(name, FORMATS)}; there are {', '.join(FORMATS)}")
     progress.stage("write", len(formats))
     written: list[Path] = []
     for name in formats:
-        files = _preview(tracks, clip) if name == _PREVIEW else get_writer(name)(tracks, settings)
-        written += _write(folder, list(files))
+        written += _write(folder, list(_files(name, tracks, clip, settings)))
         progress.advance()
     return written
+
+
+def _files(name: str, tracks: StrokeTracks, clip: Clip | None, settings: ExportSettings) -> Iterator[OutputFile]:
+    """The files of a format: pictures show the clip too, everything else is made of the tracks alone."""
+    if name == "preview":
+        return _preview(tracks, clip)
+    return _report(tracks, clip) if name == "report" else get_writer(name)(tracks, settings)
 
 
 def _preview(tracks: StrokeTracks, clip: Clip | None) -> Iterator[OutputFile]:
@@ -66,6 +75,11 @@ def _preview(tracks: StrokeTracks, clip: Clip | None) -> Iterator[OutputFile]:
         buffer = io.BytesIO()
         Image.fromarray(preview_image(tracks, clip, 0)).save(buffer, "png")
         yield OutputFile("preview.png", buffer.getvalue())
+
+
+def _report(tracks: StrokeTracks, clip: Clip | None) -> Iterator[OutputFile]:
+    psnr = None if clip is None else measure(clip, tracks).psnr
+    yield OutputFile("report.html", report_html(tracks, clip, psnr).encode())
 
 
 def _write(folder: Path, files: Sequence[OutputFile]) -> list[Path]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from difflib import get_close_matches
 
+from videovec.config import suggestion
 from videovec.errors import ConfigError
 from videovec.files import OutputFile
 from videovec.settings import ExportSettings
@@ -25,9 +25,8 @@ def get_writer(format_name: str) -> Writer:
         ConfigError: There is no such format.
     """
     if format_name not in WRITERS:
-        near = get_close_matches(format_name, WRITERS, 1)
-        hint = f"did you mean '{near[0]}'?" if near else f"there are {', '.join(WRITERS)}"
-        raise ConfigError(f"unknown format {format_name}; {hint}")
+        hint = suggestion(format_name, WRITERS)
+        raise ConfigError(f"unknown format {format_name}{hint}; there are {', '.join(WRITERS)}")
     return WRITERS[format_name]
 
 

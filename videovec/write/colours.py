@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = ["identity_colours"]
 
 _GOLDEN = (np.sqrt(5) - 1) / 2
-_LIGHTNESS = np.array([0.58, 0.70, 0.48])
-_CHROMA = np.array([0.20, 0.16, 0.17])
+_LIGHTNESS = np.array([0.58, 0.71, 0.47, 0.64])  # four, since hues nearly repeat after 21 and 55 identities
+_CHROMA = np.array([0.20, 0.16, 0.17, 0.12])
 _TO_LMS = np.array(
     [[1, 0.3963377774, 0.2158037573], [1, -0.1055613458, -0.0638541728], [1, -0.0894841775, -1.2914855480]]
 )
@@ -23,7 +23,7 @@ _TO_RGB = np.array(
 
 
 def identity_colours(ids: ArrayLike) -> NDArray[np.float64]:
-    """A colour for each identity, by the golden angle in hue and three steps of lightness.
+    """A colour for each identity, by the golden angle in hue and four steps of lightness.
 
     Args:
         ids: Identities. int [S]
