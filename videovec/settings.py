@@ -51,8 +51,16 @@ class InkSettings:
 
 @dataclass(frozen=True, slots=True)
 class InitialiseSettings:
-    """How strokes are traced on one drawing."""
+    """Where the first strokes come from, and how drawings are traced."""
 
+    method: Annotated[str, OneOf(("trace", "random"))] = "trace"
+    """trace finds lines and follows them; random scatters strokes and lets the fit sort them out."""
+    strokes: Annotated[int, Between(1)] = 1024
+    """Number of random strokes."""
+    reference: str = ""
+    """An artist's SVG of one frame, whose strokes are taken instead; empty for none."""
+    reference_frame: Annotated[int, Between(1)] = 1
+    """Which frame it shows, counted from 1."""
     tolerance: Annotated[float, Between(0.01)] = 0.35
     """How far a fitted cubic may lie from the traced centre line. px"""
     max_turn: Annotated[float, Between(0, 180)] = 100.0
@@ -139,6 +147,10 @@ class FitSettings:
 
     steps: Annotated[int, Between(0)] = 200
     """Optimiser updates of a drawing that was just initialised."""
+    scale: Annotated[float, Between(1)] = 2.0
+    """Width of the renderer's kernel at the start of such a fit; it falls to 1. px"""
+    opacity_rate: Annotated[float, Between(0)] = 0.0
+    """Step of the logit of a stroke's opacity in such a fit; 0 keeps opacities."""
     joint_steps: Annotated[int, Between(0)] = 80
     """Optimiser updates over all drawings, from strokes that were carried there."""
     window: Annotated[int, Between(2)] = 48
@@ -171,7 +183,7 @@ class BrushSettings:
     """Shortest repeat of a texture. widths"""
     longest_repeat: Annotated[float, Between(0.5)] = 40.0
     """Longest repeat of a texture. widths"""
-    texture_margin: Annotated[float, Between(0, 1)] = 0.15
+    texture_margin: Annotated[float, Between(0, 1)] = 0.07
     """A texture must explain this much more of held-out strokes than of shuffled ones."""
     lean_share: Annotated[float, Between(0, 1)] = 0.2
     """A one-sided profile must explain this share of the grain of held-out strokes."""

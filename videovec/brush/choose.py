@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.brush.align import Alignment, find_repeat, shuffled
-from videovec.brush.drift import learn_texture
+from videovec.brush.drift import learn_texture, texture_of
 from videovec.brush.model import SUPPORT, BrushModel
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 from videovec.settings import BrushSettings
@@ -23,6 +23,8 @@ __all__ = ["Evidence", "Lean", "find_lean", "grain_level", "weigh"]
 Floats = NDArray[np.float64]
 
 _RIDGE = 10.0  # texel rows that say "symmetric"
+_SURE = 0.65  # half-widths from the centre line in which grain is compared
+_OUTLIER = 2.5  # standard deviations of grain beyond which it is none
 _CORE = 0.6  # half-widths from the centre line in which no edge disturbs the grain
 
 
@@ -80,18 +82,26 @@ def weigh(
     Returns:
         The evidence, the texture as learned, and the one-sided profile.
     """
+    sure = [_surest(strip, grain_level(strips)) for strip in strips]
     longest = max(len(strip.grain) for strip in strips) / TEXELS_PER_WIDTH
     highest = max(min(settings.longest_repeat, longest), 1.05 * settings.shortest_repeat)
-    repeat, _, _ = find_repeat(strips, settings.shortest_repeat, highest)
-    found = learn_texture(strips, repeat)
-    null = float(np.mean([learn_texture(shuffled(strips, rng), repeat).score for _ in range(2)]))
+    repeat, _, _ = find_repeat(sure, settings.shortest_repeat, highest)
+    found = learn_texture(sure, repeat)
+    null = float(np.mean([learn_texture(shuffled(sure, rng), repeat).score for _ in range(2)]))
     lean = find_lean(strips)
     known = [strip for strip in strips if np.isfinite(strip.agreement)]
     weights = [float(strip.weight.sum()) for strip in known]
     agreement = float(np.average([strip.agreement for strip in known], weights=weights)) if known else float("nan")
     model = BrushModel.PROFILE
     evidence = Evidence(model, width, grain_level(strips), repeat, found.score, null, lean.explained, agreement)
-    return replace(evidence, model=_choose(evidence, settings)), found, lean
+    return replace(evidence, model=_choose(evidence, settings)), texture_of(strips, found), lean
+
+
+def _surest(strip: Strip, level: float) -> Strip:
+    """The core of a strip without outliers: an edge that is off by half a pixel outweighs all grain beside it."""
+    v = ((np.arange(strip.grain.shape[1]) + 0.5) / strip.grain.shape[1] * 2 - 1) * SUPPORT
+    grain = np.clip(strip.grain, -_OUTLIER * level, _OUTLIER * level)
+    return replace(strip, grain=grain, weight=strip.weight * (np.abs(v) < _SURE))
 
 
 def _choose(evidence: Evidence, settings: BrushSettings) -> BrushModel:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from videovec.brush.align import Alignment, Folded, align, spread
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 
-__all__ = ["explained_at", "learn_texture", "lie_along"]
+__all__ = ["explained_at", "learn_texture", "lie_along", "texture_of"]
 
 Floats = NDArray[np.float64]
 
@@ -36,6 +36,17 @@ def learn_texture(strips: list[Strip], repeat: float, rounds: int = 2) -> Alignm
     for _ in range(rounds):
         found = _with_drift(strips, found)
     return found
+
+
+def texture_of(strips: list[Strip], found: Alignment) -> Alignment:
+    """The alignment with its texture learned again, from these strips."""
+    columns = len(found.texture)
+    parts = [
+        _spread(strip, sign, offset, found.repeat, columns)
+        for strip, sign, offset in zip(strips, found.sign, found.offset, strict=True)
+    ]
+    values, weights = (np.sum([part[k] for part in parts], axis=0) for k in (0, 1))
+    return replace(found, texture=values / (np.maximum(weights, 0) + _RIDGE))
 
 
 def lie_along(strip: Strip, texture: Floats, repeat: float) -> tuple[float, Floats, float]:
