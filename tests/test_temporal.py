@@ -29,7 +29,7 @@ def test_constant_velocity_has_no_acceleration() -> None:
 
 
 def test_a_small_tremble_costs_its_square_and_a_leap_little_more() -> None:
-    small, large = (life([SHAPE, SHAPE + [step, 0.0], SHAPE]) for step in (0.01, 20.0))
+    small, large = (life([SHAPE, SHAPE + np.array([step, 0.0]), SHAPE]) for step in (0.01, 20.0))
     # 7 points whose second difference is twice the step
     assert acceleration(*small).item() == pytest.approx(7 * 0.02**2, rel=1e-3)
     assert acceleration(*large).item() == pytest.approx(7 * 0.25 * np.log1p(40.0**2 / 0.25), rel=1e-9)
