@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.curves import arc_length, sample_by_arc
 from videovec.ink import Ink
 from videovec.propagate.record import Life, open_lives
 from videovec.propagate.relink import relink
 from videovec.propagate.residual import Patch, Residual, restricted, successor
 from videovec.propagate.step import Follower, carry, follow
+from videovec.propagate.target import distance_to, sample
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
 
@@ -25,6 +27,8 @@ _LEAST = 10.0
 """Length, with the width of its ends, of the smallest patch that may become a stroke. working px"""
 _GROWTH = 1.08
 """A patch that is longer by this factor than on the drawing before still grows."""
+_BESIDE = 2.0
+"""How far from unexplained centre lines, beyond its half-width, a new stroke may lie. working px"""
 _FLASH = 2.5
 """A patch of one drawing alone must be this many times the least."""
 
@@ -94,10 +98,8 @@ class Nursery:
     def _deliver(self, patches: list[Patch], drawing: int, since: int, followers: list[Follower]) -> list[Life]:
         """Trace patches and follow them back to their first drawing."""
         own = self._ink_of(drawing, [patch.number for patch in patches])
-        lives = []
-        for life in open_lives(self._trace(own, 0)):
-            row = life.rows.pop(0)
-            lives.append(replace(life, rows={drawing: row}))
+        traced = [life for life in open_lives(self._trace(own, 0)) if self._is_new(life, drawing)]
+        lives = [replace(life, rows={drawing: life.rows[0]}) for life in traced]
         lives = relink(lives, drawing, followers)
         scale = self._residuals[drawing].target.scale
         back = [follow(life, drawing, self._settings.node_spacing / scale) for life in lives]
@@ -106,6 +108,19 @@ class Nursery:
                 break
             back = self._step_back(back, earlier)
         return lives
+
+    def _is_new(self, life: Life, drawing: int) -> bool:
+        """Whether a traced stroke lies on unexplained ink, and not on what was cut out beside it."""
+        residual = self._residuals[drawing]
+        scale = residual.target.scale
+        points = scale * life.rows[0].points
+        count = max(2, round(arc_length(points)))
+        rows, columns = np.nonzero(residual.target.skeleton)
+        left = np.zeros(residual.target.skeleton.shape, bool)
+        left[rows[residual.point], columns[residual.point]] = True
+        reach = _BESIDE + scale * float(life.rows[0].half_width.mean())
+        gap = sample(distance_to(left)[0], sample_by_arc(points, count))
+        return bool(np.mean(gap <= reach) >= 0.5)
 
     def _step_back(self, back: list[Follower], earlier: int) -> list[Follower]:
         """Take newborn lives one drawing back; those that are still seen."""

@@ -58,13 +58,12 @@ class Residual:
     patches: tuple[Patch, ...]
 
     def ink_mask(self, numbers: list[int], size: tuple[int, int]) -> Bools:
-        """Pixels of a drawing of a size [H, W] that belong to some patches."""
+        """Pixels of a drawing of a size [H, W] whose nearest centre line belongs to some patches."""
+        skeleton = self.target.skeleton
+        belongs = np.isin(self.label[skeleton], numbers) & self.point
         widest = max(patch.half_width for patch in self.patches if patch.number in numbers)
-        skeleton = np.isin(self.label, numbers) & self.target.skeleton
-        reach = 2 * int(np.ceil(widest + 2.0)) + 1
-        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
-        mask = cv2.dilate(skeleton.astype(np.uint8), disc)
-        return np.asarray(cv2.resize(mask, size[::-1], interpolation=cv2.INTER_NEAREST) > 0)
+        mask = belongs[self.target.nearest] & (self.target.distance <= widest + 2.0)
+        return np.asarray(cv2.resize(mask.astype(np.uint8), size[::-1], interpolation=cv2.INTER_NEAREST) > 0)
 
 
 def find_residual(nodes: Nodes, positions: Floats, seen: Floats, half_width: Floats, target: Target) -> Residual:

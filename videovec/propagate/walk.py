@@ -23,8 +23,8 @@ from videovec.strokes import Strokes
 
 __all__ = ["Propagated", "walk"]
 
-_CUT_INK = 0.6
-"""Share of ink without strokes, and of strokes without ink, from which on a new shot has begun."""
+_CUT = 0.5
+"""Mean of the shares of ink without strokes and of strokes without ink from which on a new shot has begun."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,7 +143,8 @@ def _is_cut(placed: Placement, residual: Residual) -> bool:
     count = len(placed.nodes)
     if not count or not len(residual.point):
         return False
-    return bool(residual.point.mean() > _CUT_INK and placed.support.node.mean() < 1 - _CUT_INK)
+    lost = 1.0 - placed.support.node.mean()
+    return bool(0.5 * (residual.point.mean() + lost) > _CUT)
 
 
 def _trim(life: Life, direction: int) -> None:
