@@ -9,6 +9,7 @@ from videovec.ink import extract_ink
 from videovec.progress import Progress
 from videovec.propagate import propagate
 from videovec.settings import Config
+from videovec.start import first_strokes, start_drawing, start_settings
 from videovec.tracks import StrokeTracks
 
 
@@ -16,7 +17,9 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     """Vectorise a clip whose lines are solid."""
     ink = extract_ink(clip, config.ink, progress)
     trace = partial(initialise, settings=config.initialise)
-    first = fit(ink.at_drawing(0), trace(ink, 0), config.fit, config.render, progress)
-    carried = propagate(ink, first.strokes, config.propagate, trace, progress)
+    seed = start_drawing(clip, config.initialise)
+    begun = first_strokes(ink, seed, config)
+    first = fit(ink.at_drawing(seed), begun, start_settings(config), config.render, progress)
+    carried = propagate(ink, first.strokes.shifted(seed), config.propagate, trace, progress)
     result = fit(ink, carried.strokes, config.fit, config.render, progress)
     return StrokeTracks.of(clip, ink, result, carried.events)

@@ -30,6 +30,7 @@ ORDER = (
     ("propagate", "link"),
     ("edits",),
     ("fit",),
+    ("start",),
     ("metrics", "clip_metrics"),
     ("track_archive", "life_edits", "stroke_track"),
     ("tracks", "track_edits", "track_layouts"),

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from videovec.edits.divide import divide
 from videovec.edits.drop import drop
 from videovec.edits.joints import remove_joints
 from videovec.edits.layers import Page, layers_of
+from videovec.edits.merge import merge
 from videovec.edits.uncovered import add_strokes
 from videovec.ink import Ink
 from videovec.settings import EditSettings
@@ -31,4 +33,6 @@ def edit(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
     page = Page(ink.coverage[0], layers_of(strokes, ink.size))
     strokes = drop(strokes, page, settings)
     strokes = add_strokes(strokes, page, ink, settings, next_id)
-    return remove_joints(strokes, page, settings)
+    strokes = merge(strokes, page, settings)
+    strokes = remove_joints(strokes, page, settings)
+    return divide(strokes, page, settings)
