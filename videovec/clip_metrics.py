@@ -283,16 +283,27 @@ def _nearest_place(strokes: Strokes, drawing: int, point: Floats) -> tuple[int, 
     for row in strokes.rows_at(drawing):
         points = strokes.points_of(row)
         u0, u1 = map(float, strokes.visible[row])
-        u = np.linspace(u0, u1, max(2, round(4 * arc_length(points))))
-        if arc_length(points) < 1e-6 or u[-1] <= u[0]:
+        if arc_length(points) < 1e-6 or u1 <= u0:
             continue
-        segment, t = parameter_at(points, u)
-        distance = np.linalg.norm(evaluate(segments_of(points)[segment], t) - point, axis=1)
-        k = int(distance.argmin())
-        if distance[k] < gap:
-            gap = float(distance[k])
-            best = int(strokes.layout.row_stroke[row]), int(segment[k]), float(t[k]), float(u[k])
+        for u in _from_coarse_to_fine(points, point, (u0, u1)):
+            segment, t = parameter_at(points, np.array([u]))
+            distance = float(np.linalg.norm(_at(points, (int(segment[0]), float(t[0]))) - point))
+            if distance < gap:
+                gap = distance
+                best = int(strokes.layout.row_stroke[row]), int(segment[0]), float(t[0]), u
     return best
+
+
+def _from_coarse_to_fine(points: Floats, point: Floats, visible: tuple[float, float]) -> list[float]:
+    """The arc fraction nearest to a point, at two resolutions."""
+    found = []
+    for count in (max(2, round(2 * arc_length(points))), 65):
+        u = np.linspace(*visible, count)
+        segment, t = parameter_at(points, u)
+        k = int(np.linalg.norm(evaluate(segments_of(points)[segment], t) - point, axis=1).argmin())
+        found.append(float(u[k]))
+        visible = float(u[max(k - 1, 0)]), float(u[min(k + 1, count - 1)])
+    return found
 
 
 def _found_at(strokes: Strokes, hit: tuple[int, int, float, float], drawing: int) -> tuple[Floats, bool] | None:

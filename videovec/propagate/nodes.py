@@ -19,6 +19,8 @@ Ints = NDArray[np.intp]
 
 _SMOOTHING = 0.02
 """Weight of differences between the displacements of neighbouring control points, against 1 for each node."""
+_REPEATS = 5
+"""How often the nodes' displacements are brought back to control points."""
 _FEWEST = 3
 """Nodes of the shortest stroke."""
 
@@ -139,8 +141,14 @@ class Nodes:
         return np.asarray(self.weights @ points)
 
     def moved(self, points: Floats, positions: Floats) -> Floats:
-        """Control points [P, 2] after the nodes went to other positions [N, 2]. [P, 2] px"""
-        return np.asarray(points + self.inverse @ (positions - self.weights @ points))
+        """Control points [P, 2] after the nodes went to other positions [N, 2]. [P, 2] px
+
+        What the smoothing takes away, a turn above all, is given back by repetition.
+        """
+        moved = points
+        for _ in range(_REPEATS):
+            moved = moved + self.inverse @ (positions - self.weights @ moved)
+        return np.asarray(moved)
 
     def tangents(self, positions: Floats) -> Floats:
         """Unit tangents; zero where neighbouring nodes coincide. [N, 2]"""
