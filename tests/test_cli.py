@@ -130,6 +130,24 @@ def test_a_second_run_uses_the_strokes_of_the_first_until_something_changes(vide
     assert "used again" not in videovec(*first, "--seed", "4", "--frames", "1:2").stderr
 
 
+def test_strokes_that_are_gone_are_fitted_again(videovec: Command, gif: Path) -> None:
+    videovec("run", gif, "-s", "pipeline=good")
+    (gif.parent / "clip_videovec" / "tracks.npz").unlink()
+    result = videovec("run", gif, "-s", "pipeline=good")
+    assert result.exit_code == 0
+    assert "used again" not in result.stderr
+
+
+def test_outputs_of_other_strokes_do_not_stay_but_those_of_the_same_strokes_do(videovec: Command, gif: Path) -> None:
+    lottie = gif.parent / "clip_videovec" / "clip.json"
+    videovec("run", gif, "-s", "pipeline=good")
+    videovec("track", gif, "-s", "pipeline=good")
+    assert lottie.exists()
+    videovec("track", gif, "-s", "pipeline=good", "--seed", "1")
+    assert not lottie.exists()
+    assert {path.name for path in lottie.parent.rglob("*.*")} == {"run.json", "tracks.npz", "tracks.json"}
+
+
 def test_a_dry_run_writes_nothing(videovec: Command, gif: Path) -> None:
     result = videovec("run", gif, "-s", "pipeline=good", "--dry-run", "--json")
     assert result.exit_code == 0
@@ -208,9 +226,7 @@ def test_a_signal_from_the_keyboard_ends_a_real_process_with_130(gif: Path) -> N
     command = [sys.executable, "-c", code, "run", str(gif), "-s", "pipeline=slow"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
-        told = ""
-        while "started" not in told:
-            told += process.stderr.readline()
+        assert any("started" in line for line in process.stderr)
         time.sleep(0.2)
         os.kill(process.pid, signal.SIGINT)
         assert process.wait(20) == 130

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import sys
 import tempfile
@@ -13,6 +12,7 @@ from importlib.metadata import requires as requirements_of
 from pathlib import Path
 
 from videovec.config import preset_names
+from videovec.settings import RenderSettings
 
 __all__ = ["Finding", "examine", "library_versions"]
 
@@ -39,7 +39,7 @@ class Finding:
 
 def examine() -> tuple[Finding, ...]:
     """Look at everything; a check that fails unexpectedly is itself a finding."""
-    return tuple(_guarded(check) for check in (_python, _libraries, _device, _decoders, _compiler, _presets, _disk))
+    return tuple(_guarded(check) for check in (_python, _libraries, _renderer, _decoders, _compiler, _presets, _disk))
 
 
 def library_versions() -> dict[str, str]:
@@ -85,12 +85,12 @@ def _libraries() -> Finding:
     return Finding("libraries", state)
 
 
-def _device() -> Finding:
-    import torch
+def _renderer() -> Finding:
+    from videovec.render import describe_backend
 
-    if torch.cuda.is_available():
-        return Finding("device", f"cuda: {torch.cuda.get_device_name(0)}")
-    return Finding("device", f"cpu: {os.cpu_count()} cores, {torch.get_num_threads()} threads; no CUDA device")
+    report = describe_backend(RenderSettings())
+    state = f"{report.backend.name} on {report.backend.device}, {report.threads} threads; cuda: {report.cuda}"
+    return Finding("renderer", state)
 
 
 def _decoders() -> Finding:
@@ -102,17 +102,14 @@ def _decoders() -> Finding:
 
 
 def _compiler() -> Finding:
-    import numba
+    from videovec.render import describe_backend
 
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    place = Path(chosen) if chosen else Path(__file__).parent
-    if os.access(place, os.W_OK):
-        return Finding("compiler", f"numba {numba.__version__}, compiled code is kept in {place}")
-    return Finding(
-        "compiler",
-        f"numba {numba.__version__}, {place} is not writable",
-        "compiled code goes to numba's own cache; set NUMBA_CACHE_DIR to a writable folder if every start is slow",
-    )
+    report = describe_backend(RenderSettings())
+    if report.cache is None:
+        advice = "every run compiles for about 20 s; set NUMBA_CACHE_DIR to a folder that can be written to"
+        return Finding("compiler", "machine code cannot be kept", advice)
+    when = "is ready" if report.is_compiled else "will be made by the first run, in about 20 s"
+    return Finding("compiler", f"machine code {when}, in {report.cache}")
 
 
 def _presets() -> Finding:

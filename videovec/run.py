@@ -19,7 +19,7 @@ from videovec.errors import ConfigError
 from videovec.export import FORMATS, export
 from videovec.progress import Progress, Silent
 from videovec.quality import Quality, measure
-from videovec.render import resolve_backend
+from videovec.render import prepare_backend, resolve_backend
 from videovec.run_folder import TRACKS, RunFolder, RunRecord, default_folder, hash_of_clip, hash_of_config
 from videovec.settings import Config
 from videovec.stopwatch import Stopwatch
@@ -115,8 +115,11 @@ def track(
     """
     config, progress = config or Config(), progress or Silent()
     validate(config)
+    backend = resolve_backend(config.render)
     pipeline = find_pipeline(config.pipeline)
-    return pipeline(decode(path, config.decode, frames, progress), config, progress)
+    clip = decode(path, config.decode, frames, progress)
+    prepare_backend(backend, progress)
+    return pipeline(clip, config, progress)
 
 
 def carry_out(request: Request, progress: Progress | None = None) -> Outcome:
@@ -134,9 +137,14 @@ def carry_out(request: Request, progress: Progress | None = None) -> Outcome:
     else:
         tracks, record = _fit(plan, watch)
     outputs = export(tracks, plan.clip, folder.path, request.config.export, request.formats, watch)
-    written = tuple(sorted(path.relative_to(folder.path).as_posix() for path in outputs))
-    folder.remove_stale(plan.record.outputs, written)
-    record = replace(record, status="done", outputs=written, seconds={**record.seconds, **watch.seconds()})
+    written = {path.relative_to(folder.path).as_posix() for path in outputs}
+    if plan.is_fitted:
+        written |= set(plan.record.outputs)
+    else:
+        folder.remove_stale(set(plan.record.outputs) - written)
+    record = replace(
+        record, status="done", outputs=tuple(sorted(written)), seconds={**record.seconds, **watch.seconds()}
+    )
     folder.write_record(record)
     return Outcome(tracks, folder, record)
 
@@ -166,7 +174,7 @@ def prepare(request: Request, progress: Progress) -> Plan:
     clip = decode(request.source, request.config.decode, request.frames, progress)
     before = folder.record()
     record = _record_of(request, clip)
-    is_fitted = request.resume and before is not None and before.is_fitted_as(record)
+    is_fitted = request.resume and before is not None and before.is_fitted_as(record) and folder.has_tracks()
     if before is not None:
         kept = before if is_fitted else replace(record, outputs=before.outputs)
         record = replace(kept, config=record.config)
@@ -195,6 +203,7 @@ def _fit(plan: Plan, watch: Stopwatch) -> tuple[StrokeTracks, RunRecord]:
     folder, record = plan.folder, plan.record
     folder.write_record(record)
     try:
+        prepare_backend(resolve_backend(plan.request.config.render), watch)
         tracks = plan.pipeline(plan.clip, plan.request.config, watch)
     except BaseException as error:
         status = "interrupted" if isinstance(error, KeyboardInterrupt) else "failed"

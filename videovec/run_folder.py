@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -133,9 +133,13 @@ class RunFolder:
         text = json.dumps({"format": FORMAT, **asdict(record)}, indent=1, ensure_ascii=False) + "\n"
         write_file(self.path / RECORD, text)
 
-    def remove_stale(self, before: tuple[str, ...], now: tuple[str, ...]) -> None:
-        """Remove files that an earlier run wrote and the present one did not."""
-        for name in sorted(set(before) - set(now)):
+    def has_tracks(self) -> bool:
+        """Whether strokes are there."""
+        return (self.path / TRACKS).is_file()
+
+    def remove_stale(self, names: Iterable[str]) -> None:
+        """Remove files of an earlier run, by their names in its record; nothing outside the folder."""
+        for name in sorted(names):
             place = (self.path / name).resolve()
             if place.is_relative_to(self.path.resolve()):
                 place.unlink(missing_ok=True)
