@@ -21,11 +21,12 @@ Ints = NDArray[np.intp]
 End = tuple[int, int]
 
 _STEP = 0.5  # px between samples of a centre line
-_TRIM = 0.6  # widths that are left out on both sides of a junction that a stroke runs through
+_TRIM = 0.5  # widths that are left out on both sides of a junction that a stroke runs through
 _KINK = 60.0  # degrees beyond which a stroke that runs through a junction has a corner there
 _CORNER = 50.0  # degrees
 _CORNER_REACH = 1.2  # widths to either side between which a corner is told
-_SMOOTHING = 0.5  # widths
+_SMOOTHING = 0.3  # widths
+_THICK, _THICK_SHARE = 4.0, 0.3  # px up to which a skeleton wobbles with its line's width, and how it does beyond
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,10 +158,15 @@ def _run_out(line: Floats, width: float, coverage: NDArray[np.float32]) -> Float
     return _trimmed(line, 0.0, min(-extension, 0.3 * total))
 
 
+def _tempered(width: float) -> float:
+    """Scale of a skeleton's wobble: a line's width, growing more slowly where lines are wide. px"""
+    return min(width, _THICK) + _THICK_SHARE * max(width - _THICK, 0.0)
+
+
 def _smoothed(line: Floats, width: float, is_closed: bool, step: float) -> tuple[Floats, Ints]:
     """Smooth a line between its corners. A closed one is given, and returned, with its first sample repeated."""
-    reach = max(1, round(max(_CORNER_REACH * width, 2.5) / step))
-    sigma = max(_SMOOTHING * width, 0.6) / step
+    reach = max(1, round(max(_CORNER_REACH * _tempered(width), 2.5) / step))
+    sigma = max(_SMOOTHING * _tempered(width), 0.6) / step
     if is_closed:
         ring = line[:-1]
         found = corners(ring, reach, _CORNER, True)

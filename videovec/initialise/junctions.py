@@ -18,9 +18,10 @@ Floats = NDArray[np.float64]
 End = tuple[int, int]
 Pairs = tuple[tuple[int, int], ...]
 
-_SKIP = 0.9  # widths next to a junction in which thinning bends a line
-_REACH = 5.0  # widths over which its direction is told
-_LEAST_REACH = 4.0  # px
+_SKIP = 0.45  # widths next to a junction in which thinning bends a line
+_LEAST_SKIP = 1.0  # px
+_REACH = 3.0  # widths over which its direction is told
+_LEAST_REACH = 6.0  # px
 _MOST_ARMS = 7  # beyond so many branches all matchings are too many to try
 
 
@@ -68,9 +69,9 @@ def turns(lines: list[Floats], width: float) -> Floats:
     Returns:
         Turn for each pair, degrees, 180 on the diagonal. [K, K]
     """
-    reach = max(_REACH * width, _LEAST_REACH)
-    tangents = [end_tangent(line, _SKIP * width, reach) for line in lines]
-    chords = [direction(line, _SKIP * width, _SKIP * width + reach) for line in lines]
+    skip, reach = max(_SKIP * width, _LEAST_SKIP), max(_REACH * width, _LEAST_REACH)
+    tangents = [end_tangent(line, skip, reach) for line in lines]
+    chords = [direction(line, skip, skip + reach) for line in lines]
     cost = np.full((len(lines), len(lines)), 180.0)
     for i in range(len(lines)):
         for j in range(i):

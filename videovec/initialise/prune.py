@@ -17,14 +17,14 @@ Floats = NDArray[np.float64]
 _SHARP = 75.0  # degrees between two branches below which a leaf between them may be the stem of a sharp corner
 _OFF_AXIS = 41.0  # degrees by which the stem may leave the corner's axis
 _SPUR = 0.35  # widths beyond the edge of the ink that a branch must reach to be more than a spur
-_CLUSTER = 1.2  # widths below which a branch between two junctions is part of one crossing
+_CLUSTER = 1.0  # widths below which a branch between two junctions is part of one crossing
 
 
 class Widths:
     """Widths of lines for the rules of geometry: the mask's radius, scaled to what the ink weighs.
 
     Args:
-        calibration: Width of a line over the mask's radius.
+        calibration: Width of a line over twice the mask's radius.
         least: Width below which a line counts as this wide. px
     """
 
@@ -34,7 +34,7 @@ class Widths:
 
     def of(self, branch: Branch) -> float:
         """Width of a branch. px"""
-        return max(self.least, self.calibration * branch.thickness)
+        return max(self.least, 2.0 * self.calibration * branch.thickness)
 
     def at(self, graph: Graph, node: int) -> float:
         """Width of the widest line at a node. px"""
@@ -131,7 +131,7 @@ def _drop_twins(graph: Graph, widths: Widths) -> None:
         a, b = graph.branches[one], graph.branches[two]
         if {a.start, a.stop} != {b.start, b.stop} or a.start == a.stop:
             continue
-        width = widths.of(a)
+        width = min(widths.at(graph, a.start), widths.at(graph, a.stop))
         if max(a.length, b.length) > 4.0 * width:
             continue
         gap = np.linalg.norm(a.line[:, None] - b.line[None], axis=2).min(axis=1).max()
@@ -156,3 +156,4 @@ def clean(graph: Graph, widths: Widths) -> None:
     _sharpen_corners(graph, widths)
     _drop_twins(graph, widths)
     _join_clusters(graph, widths)
+    _drop_spurs(graph, widths)

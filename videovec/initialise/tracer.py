@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from videovec.initialise.centreline import CentreLine, centre_line, chains, closed_line
+from videovec.initialise.centreline import centre_line, chains, closed_line
+from videovec.initialise.crossings import bridge_gaps, is_sliver
 from videovec.initialise.cubics import fit_spline
 from videovec.initialise.graph import Graph, skeleton_graph
 from videovec.initialise.junctions import Pairing, pair_branches
@@ -27,7 +28,6 @@ Floats = NDArray[np.float64]
 Coverage = NDArray[np.float32]
 
 _LEAST_WIDTH = 1.2  # px; the rules of geometry treat thinner lines as this wide
-_LEAST_DOT = 0.15  # of a round dot as wide as a line: what an isolated pixel's ink must weigh
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +101,7 @@ def _junctions(graph: Graph, pairings: list[Pairing]) -> list[Junction]:
     return result
 
 
-def _dots(graph: Graph, coverage: Coverage, lines: list[CentreLine]) -> tuple[list[Floats], list[Floats]]:
+def _dots(graph: Graph, coverage: Coverage) -> tuple[list[Floats], list[Floats]]:
     """Strokes of no length for isolated round spots: control points and half-widths of each."""
     curves, half_widths = [], []
     for x, y, radius in graph.dots:
@@ -131,22 +131,27 @@ def _cleaned_graph(coverage: Coverage, noise: float) -> tuple[Graph, Widths] | N
     return graph, widths
 
 
-def _trace_coverage(coverage: Coverage, noise: float, settings: InitialiseSettings) -> _Lines:
-    """Strokes of one ink."""
+def _trace_coverage(coverage: Coverage, others: Coverage, noise: float, settings: InitialiseSettings) -> _Lines:
+    """Strokes of one ink, among those of the others."""
     cleaned = _cleaned_graph(coverage, noise)
     if cleaned is None:
         return _Lines([], [], [], [])
     graph, widths = cleaned
     pairings = pair_branches(graph, widths, settings.max_turn)
-    found = [centre_line(graph, chain, widths, coverage) for chain in chains(graph, pairings)]
+    is_alone = not others.any()
+    bridges = [] if is_alone else bridge_gaps(graph, widths, coverage + others)
+    found = [centre_line(graph, chain, widths, coverage) for chain in chains(graph, pairings + bridges)]
     for loop, thickness in zip(graph.loops, graph.loop_radius, strict=True):
         found.append(closed_line(loop, max(_LEAST_WIDTH, 2.0 * widths.calibration * float(np.median(thickness)))))
+    if not is_alone:
+        widest = max(line.width for line in found)
+        found = [line for line in found if not is_sliver(line, widest, others)]
     curves, half_widths = [], []
     for line, half_width in zip(found, measure_widths(found, coverage), strict=True):
         points = fit_spline(line.line, line.corners, settings.tolerance, line.is_closed)
         curves.append(points)
         half_widths.append(half_width[cKDTree(line.line).query(points[::3])[1]])
-    dots, dot_widths = _dots(graph, coverage, found)
+    dots, dot_widths = _dots(graph, coverage)
     is_closed = [line.is_closed for line in found] + [False] * len(dots)
     return _Lines(curves + dots, half_widths + dot_widths, is_closed, _junctions(graph, pairings))
 
@@ -163,12 +168,13 @@ def trace(ink: Ink, drawing: int, settings: InitialiseSettings) -> Traced:
         Strokes that live on that drawing alone, each of one ink, and the junctions between them.
     """
     alone = ink.at_drawing(drawing)
+    inked = alone.coverage[0].astype(np.float32) / np.float32(255.0)
     parts, junctions, first_id = [], [], 1
     for label, color in enumerate(ink.palette):
         own = ink_alone(alone, label).coverage[0].astype(np.float32) / np.float32(255.0)
         if not own.any():
             continue
-        lines = _trace_coverage(own, ink.noise, settings)
+        lines = _trace_coverage(own, np.where(alone.label[0] == label, np.float32(0.0), inked), ink.noise, settings)
         parts.append(
             Strokes.from_curves(
                 lines.curves,
