@@ -149,6 +149,22 @@ def test_every_pipeline_keeps_the_identities_of_a_ring_and_a_bar(tmp_path: Path,
     assert worst_psnr(tmp_path / "out", frames) > 28
 
 
+def test_an_artists_svg_gives_the_first_strokes_their_order_and_identity(tmp_path: Path) -> None:
+    frames = draw_frames()
+    source = images("walk")(tmp_path, frames)
+    bar = [(42 + 15 * side * np.cos(0.3), 42 + 15 * side * np.sin(0.3)) for side in (1, -1)]
+    (tmp_path / "first.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{SIDE}" height="{SIDE}" fill="none" stroke="black">'
+        f'<path data-stroke-id="5" stroke-width="3" d="M{bar[0][0]},{bar[0][1]} L{bar[1][0]},{bar[1][1]}"/>'
+        '<circle data-stroke-id="9" stroke-width="3" cx="20" cy="22" r="11"/></svg>'
+    )
+    tracks = run(source, tmp_path / "out", f"initialise.reference={tmp_path / 'first.svg'}")
+    assert tracks.strokes.ids.tolist() == [5, 9]
+    right, left = tracks[5].at(3).points[[0, -1], 0]
+    assert right > left
+    assert worst_psnr(tmp_path / "out", frames) > 25
+
+
 def test_the_same_input_and_seed_give_the_same_bytes(tmp_path: Path) -> None:
     source = images("walk")(tmp_path, draw_frames(3))
     written = []

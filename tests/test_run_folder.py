@@ -104,6 +104,17 @@ def test_the_way_of_writing_does_not_count_for_the_strokes_but_all_else_does() -
     assert len(names) == 3
 
 
+def test_a_file_that_a_setting_names_counts_with_its_content(tmp_path: Path) -> None:
+    reference = tmp_path / "first.svg"
+    config = replace(Config(), initialise=replace(Config().initialise, reference=str(reference)))
+    names = [hash_of_config(config, "1")]
+    for text in ("<svg/>", "<svg width='3'/>"):
+        reference.write_text(text)
+        names.append(hash_of_config(config, "1"))
+    assert len(set(names)) == 3
+    assert hash_of_config(config, "1") == names[-1]
+
+
 def test_an_empty_or_new_folder_or_our_own_may_be_written_to(tmp_path: Path) -> None:
     RunFolder.claim(tmp_path)
     RunFolder.claim(tmp_path / "a" / "b")

@@ -27,14 +27,17 @@ from videovec.options import (
     Formats,
     Frames,
     Fresh,
+    Init,
     MaxError,
     Out,
     Preset,
     Quiet,
+    Reference,
     RunPath,
     Seed,
     Settings,
     Source,
+    Strokes,
     SvgStyle,
     parse_frames,
 )
@@ -61,7 +64,11 @@ class _Commands(TyperGroup):
             complain(str(error))
             status = Exit.USER_FAULT
         except Exception as error:
-            if isinstance(error, typer.Abort) or hasattr(error, "exit_code") or ctx.params.get("debug"):
+            if (
+                isinstance(error, typer.Abort | BrokenPipeError)
+                or hasattr(error, "exit_code")
+                or ctx.params.get("debug")
+            ):
                 raise  # typer's own, or wanted in full
             what = str(error) if isinstance(error, VideovecError) else f"{type(error).__name__}: {error}"
             complain(f"a fault of videovec: {what} (videovec --debug ... shows where)")
@@ -106,6 +113,9 @@ def run(
     settings: Settings = None,
     device: Device = None,
     seed: Seed = None,
+    reference: Reference = None,
+    init: Init = None,
+    strokes: Strokes = None,
     svg_style: SvgStyle = None,
     max_error: MaxError = None,
     fresh: Fresh = False,
@@ -117,7 +127,14 @@ def run(
     """Vectorise a clip: SVG frames, Lottie, tracks and a preview."""
     from videovec.run import Request
 
-    shortcuts = {"render.device": device, "seed": seed, "export.svg_style": svg_style}
+    shortcuts = {
+        "render.device": device,
+        "seed": seed,
+        "initialise.reference": str(reference.absolute()) if reference else None,
+        "initialise.method": init,
+        "initialise.strokes": strokes,
+        "export.svg_style": svg_style,
+    }
     request = Request(
         source=clip,
         out=out,

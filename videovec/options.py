@@ -20,14 +20,17 @@ __all__ = [
     "Formats",
     "Frames",
     "Fresh",
+    "Init",
     "MaxError",
     "Out",
     "Preset",
     "Quiet",
+    "Reference",
     "RunPath",
     "Seed",
     "Settings",
     "Source",
+    "Strokes",
     "SvgStyle",
     "parse_frames",
 ]
@@ -68,9 +71,14 @@ MaxError = Annotated[
     typer.Option(min=0.0, help="Exit with 3 if a frame's error is above this; 0 is perfect, 1 an empty page."),
 ]
 SvgStyle = Annotated[str | None, typer.Option(help="auto, stroke, outline or powerstroke.")]
+Reference = Annotated[
+    Path | None, typer.Option(help="An artist's SVG of the first frame, whose strokes are taken.", metavar="SVG")
+]
+Init = Annotated[str | None, typer.Option("--init", help="Where first strokes come from: trace or random.")]
+Strokes = Annotated[int | None, typer.Option("--strokes", help="Number of random first strokes.")]
 Formats = Annotated[
     list[str] | None,
-    typer.Option("-f", "--format", help="svg, lottie, dotlottie, npz, json or preview; may be repeated."),
+    typer.Option("-f", "--format", help="svg, lottie, preview ...; may be repeated.", show_default="all"),
 ]
 RunPath = Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a finished run.")]
 

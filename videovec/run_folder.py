@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from videovec.clip import Clip
+from videovec.config import describe_settings
 from videovec.errors import OutputError
 from videovec.files import write_file
 from videovec.settings import Config
@@ -85,9 +86,17 @@ def hash_of_clip(clip: Clip) -> str:
 
 
 def hash_of_config(config: Config, version: str) -> str:
-    """A name for everything that the strokes depend on; how they are written does not count."""
-    settings = {key: value for key, value in asdict(config).items() if key != "export"}
-    return hashlib.blake2b(json.dumps([version, settings], sort_keys=True).encode(), digest_size=16).hexdigest()
+    """A name for everything that the strokes depend on, files that settings name among it.
+
+    How strokes are written does not count.
+    """
+    settings = [setting for setting in describe_settings(config) if not setting.key.startswith("export.")]
+    digest = hashlib.blake2b(version.encode(), digest_size=16)
+    for setting in settings:
+        digest.update(f"\n{setting.key}={setting.default!r}".encode())
+        if isinstance(setting.default, str) and Path(setting.default).is_file():
+            digest.update(Path(setting.default).read_bytes())
+    return digest.hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
