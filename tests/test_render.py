@@ -380,3 +380,14 @@ def test_a_back_end_that_does_not_exist_is_refused() -> None:
     scene = SCENES["lone stroke"]()
     with pytest.raises(FitError, match="backend"):
         render_image(scene, torch.ones(3), backend="opengl")
+
+
+def test_the_fast_back_ends_agree_where_nearest_points_are_not_yet_found() -> None:
+    scene = scene_of(random_strokes(20, 64), [(1.0, 1.6)] * 20, side=64)
+    crumpled = replace(
+        scene, control=scene.control + torch.randn(scene.control.shape, generator=torch.Generator().manual_seed(0))
+    )
+    found = {name: image_and_gradients(crumpled, 3.0, name, steps=1) for name in ("torch", "numba")}
+    assert [distance(a, b) for a, b in zip(found["numba"], found["torch"], strict=True)] == pytest.approx(
+        [0] * 7, abs=1e-3
+    )

@@ -120,9 +120,11 @@ def _coverage(
     bend = torch.maximum(speed2 - (r * a).sum(-1), BENT * speed2).clamp(min=BENT * SLOWEST**2).detach()
     towards = (r * b).sum(-1)
     attached = t + (towards - towards.detach()) / bend
-    t = torch.where(is_inside, attached, torch.where(t <= lo, lo, torch.where(t >= hi, hi, t)))
-
-    r, b, _ = _relative(cubic, offset, t)
+    end = torch.where(t <= lo, lo, torch.where(t >= hi, hi, t))
+    # Inside, the distance does not change with t, and says so even where Newton has not quite arrived.
+    r, _, _ = _relative(cubic, offset, torch.where(is_inside, t, end))
+    t = torch.where(is_inside, attached, end)
+    _, b, _ = _relative(cubic, offset, t)
     speed2 = (b * b).sum(-1)
     h = torch.lerp(half_width[:, 0], half_width[:, 1], t)
     tangent = b / speed2.clamp(min=SLOWEST**2).sqrt()[:, None]
