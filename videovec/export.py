@@ -16,7 +16,7 @@ from videovec.progress import Progress, Silent
 from videovec.quality import measure
 from videovec.settings import ExportSettings
 from videovec.tracks import StrokeTracks
-from videovec.write import WRITERS, get_writer
+from videovec.write import WRITERS, Draft, get_writer
 from videovec.write.report import report_html
 from videovec.write.video import preview_image, preview_video
 
@@ -55,18 +55,19 @@ def export(
         if name not in FORMATS:
             raise ConfigError(f"unknown format {name}{suggestion(name, FORMATS)}; there are {', '.join(FORMATS)}")
     progress.stage("write", len(formats))
+    draft = Draft(tracks, settings)
     written: list[Path] = []
     for name in formats:
-        written += _write(folder, list(_files(name, tracks, clip, settings)))
+        written += _write(folder, list(_files(name, draft, clip)))
         progress.advance()
     return written
 
 
-def _files(name: str, tracks: StrokeTracks, clip: Clip | None, settings: ExportSettings) -> Iterator[OutputFile]:
+def _files(name: str, draft: Draft, clip: Clip | None) -> Iterator[OutputFile]:
     """The files of a format: pictures show the clip too, everything else is made of the tracks alone."""
     if name == "preview":
-        return _preview(tracks, clip)
-    return _report(tracks, clip) if name == "report" else get_writer(name)(tracks, settings)
+        return _preview(draft.tracks, clip)
+    return _report(draft.tracks, clip) if name == "report" else get_writer(name)(draft)
 
 
 def _preview(tracks: StrokeTracks, clip: Clip | None) -> Iterator[OutputFile]:

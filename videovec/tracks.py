@@ -180,7 +180,9 @@ class StrokeTracks:
         """
         best: tuple[float, int, float] | None = None
         for shape in self.at_frame(frame):
-            if shape.is_visible:
+            beyond = np.maximum(shape.points.min(0) - (x, y), np.subtract((x, y), shape.points.max(0)))
+            reach = float(np.linalg.norm(np.maximum(beyond, 0))) - float(shape.half_width.max())  # it is no nearer
+            if shape.is_visible and reach <= min(search_range, best[0] if best else np.inf):
                 u, distance = shape.nearest(np.array([x, y], dtype=np.float64))
                 outside = max(distance - shape.half_width_at(u), 0.0)
                 if outside <= search_range and (best is None or outside <= best[0]):

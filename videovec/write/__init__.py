@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
 
 from videovec.config import suggestion
 from videovec.errors import ConfigError
@@ -11,11 +13,37 @@ from videovec.settings import ExportSettings
 from videovec.tracks import StrokeTracks
 from videovec.write.animated_svg import animated_svg_text
 from videovec.write.lottie import dotlottie_bytes, lottie_text
+from videovec.write.motion import StrokeMotion, stroke_motions
 from videovec.write.svg import svg_frames
+from videovec.write.time_base import time_base
 
-__all__ = ["WRITERS", "Writer", "get_writer"]
+__all__ = ["WRITERS", "Draft", "Writer", "get_writer"]
 
-Writer = Callable[[StrokeTracks, ExportSettings], Iterator[OutputFile]]
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """What is to be written, and what several formats make of it on the way.
+
+    Args:
+        tracks: The strokes of a clip.
+        settings: How to write.
+    """
+
+    tracks: StrokeTracks
+    settings: ExportSettings
+
+    @cached_property
+    def motions(self) -> tuple[StrokeMotion, ...]:
+        """The strokes as moving paths."""
+        return tuple(stroke_motions(self.tracks, time_base(self.tracks.timeline), self.settings))
+
+    @cached_property
+    def lottie(self) -> str:
+        """The clip as a Lottie document."""
+        return lottie_text(self.tracks, self.settings, self.motions)
+
+
+Writer = Callable[[Draft], Iterator[OutputFile]]
 
 
 def get_writer(format_name: str) -> Writer:
@@ -30,30 +58,31 @@ def get_writer(format_name: str) -> Writer:
     return WRITERS[format_name]
 
 
-def _svg(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]:
-    numbers = tracks.timeline.frame_numbers.tolist()
-    for number, document in zip(numbers, svg_frames(tracks, settings.svg_style, settings.line_tolerance), strict=True):
+def _svg(draft: Draft) -> Iterator[OutputFile]:
+    numbers = draft.tracks.timeline.frame_numbers.tolist()
+    documents = svg_frames(draft.tracks, draft.settings.svg_style, draft.settings.line_tolerance)
+    for number, document in zip(numbers, documents, strict=True):
         yield OutputFile(f"svg/frame_{number:04d}.svg", document.encode())
 
 
-def _lottie(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]:
-    yield OutputFile("clip.json", lottie_text(tracks, settings).encode())
+def _lottie(draft: Draft) -> Iterator[OutputFile]:
+    yield OutputFile("clip.json", draft.lottie.encode())
 
 
-def _dotlottie(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]:
-    yield OutputFile("clip.lottie", dotlottie_bytes(lottie_text(tracks, settings)))
+def _dotlottie(draft: Draft) -> Iterator[OutputFile]:
+    yield OutputFile("clip.lottie", dotlottie_bytes(draft.lottie))
 
 
-def _animated_svg(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]:
-    yield OutputFile("clip.svg", animated_svg_text(tracks, settings).encode())
+def _animated_svg(draft: Draft) -> Iterator[OutputFile]:
+    yield OutputFile("clip.svg", animated_svg_text(draft.tracks, draft.settings, draft.motions).encode())
 
 
-def _npz(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]:
-    yield OutputFile("tracks.npz", tracks.to_bytes())
+def _npz(draft: Draft) -> Iterator[OutputFile]:
+    yield OutputFile("tracks.npz", draft.tracks.to_bytes())
 
 
-def _json(tracks: StrokeTracks, settings: ExportSettings) -> Iterator[OutputFile]:
-    yield OutputFile("tracks.json", tracks.to_json().encode())
+def _json(draft: Draft) -> Iterator[OutputFile]:
+    yield OutputFile("tracks.json", draft.tracks.to_json().encode())
 
 
 WRITERS: dict[str, Writer] = {

@@ -6,6 +6,8 @@ and the new one from then on.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import svgwrite
 from svgwrite.base import BaseElement
@@ -21,12 +23,15 @@ from videovec.write.time_base import TimeBase, time_base
 __all__ = ["animated_svg_text"]
 
 
-def animated_svg_text(tracks: StrokeTracks, settings: ExportSettings) -> str:
+def animated_svg_text(
+    tracks: StrokeTracks, settings: ExportSettings, motions: Iterable[StrokeMotion] | None = None
+) -> str:
     """A clip as an SVG document that repeats without end.
 
     Args:
         tracks: The strokes of a clip.
         settings: Tolerance of the keyframes.
+        motions: The strokes as moving paths, where they are known already.
     """
     base = time_base(tracks.timeline)
     height, width = tracks.size
@@ -35,7 +40,7 @@ def animated_svg_text(tracks: StrokeTracks, settings: ExportSettings) -> str:
     if page != "#ffffff":
         document.add(document.rect((0, 0), (width, height), id="page", fill=page, debug=False))
     layer = document.g(id="lines", debug=False)
-    for motion in stroke_motions(tracks, base, settings):
+    for motion in stroke_motions(tracks, base, settings) if motions is None else motions:
         layer.add(_path(motion, _Clock(base), document))
     document.add(layer)
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{document.tostring()}\n'

@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -42,18 +42,20 @@ _STILL: Json = {
 }
 
 
-def lottie_text(tracks: StrokeTracks, settings: ExportSettings) -> str:
+def lottie_text(tracks: StrokeTracks, settings: ExportSettings, motions: Iterable[StrokeMotion] | None = None) -> str:
     """A clip as a Lottie document.
 
     Args:
         tracks: The strokes of a clip.
         settings: Tolerance and decimals of the keyframes.
+        motions: The strokes as moving paths, where they are known already.
 
     Returns:
         JSON, in one line.
     """
     base = time_base(tracks.timeline)
-    layers = [_layer(motion, settings.lottie_decimals) for motion in stroke_motions(tracks, base, settings)][::-1]
+    paths = stroke_motions(tracks, base, settings) if motions is None else motions
+    layers = [_layer(motion, settings.lottie_decimals) for motion in paths][::-1]
     height, width = tracks.size
     page = hex_colour(tracks.page)
     end = int(base.frame_ticks[-1])
@@ -155,10 +157,10 @@ def _bezier(points: Floats, is_closed: bool, decimals: int) -> Json:
 
 
 def _pairs(array: Floats, decimals: int) -> list[list[float]]:
-    return [[_compact(x, decimals), _compact(y, decimals)] for x, y in array.tolist()]
+    return [[x if x % 1 else int(x), y if y % 1 else int(y)] for x, y in np.round(array, decimals).tolist()]
 
 
 def _compact(value: float, decimals: int) -> float:
     """A rounded number, whole where it can be: it takes fewer bytes."""
     rounded = round(value, decimals)
-    return int(rounded) if rounded == int(rounded) else rounded
+    return rounded if rounded % 1 else int(rounded)

@@ -21,7 +21,7 @@ __all__ = ["StrokeMotion", "stroke_motions"]
 
 Floats = NDArray[np.float64]
 
-_DOT = 0.05  # px of length up to which some players draw nothing of a line, not even its round ends
+_DOT = 0.05  # px of extent up to which some players draw nothing of a line, not even its round ends
 _WIDTH_TOLERANCE = 0.05  # px
 _OPACITY_TOLERANCE = 0.01
 
@@ -74,7 +74,7 @@ def stroke_motions(tracks: StrokeTracks, base: TimeBase, settings: ExportSetting
         if not any(shape.is_visible for shape in shapes):
             continue
         drawings = strokes.layout.row_drawing[rows]
-        is_drawn = is_line[stroke] and min(arc_length(shape.points) for shape in shapes) > _DOT
+        is_drawn = is_line[stroke] and min(np.ptp(shape.points, axis=0).max() for shape in shapes) > _DOT
         clock = _Clock(
             base.drawing_ticks[drawings].astype(np.float64),
             (base.exposure[drawings] > 1) & (not settings.lottie_smooth),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.curves import segment_lengths
 from videovec.strokes import Strokes
 
 __all__ = ["is_constant_width", "mean_half_widths"]
@@ -15,16 +14,11 @@ _MOST = 0.95  # of a stroke's length must be drawn well
 
 def mean_half_widths(strokes: Strokes) -> NDArray[np.float64]:
     """Half-width of each row, averaged over its arc. [R] px"""
-    means = np.empty(strokes.row_count)
-    for row in range(strokes.row_count):
-        half_width = strokes.half_width_of(row)
-        if np.ptp(half_width) == 0:
-            means[row] = half_width[0]
-            continue
-        lengths = segment_lengths(strokes.points_of(row))
-        middles = (half_width[:-1] + half_width[1:]) / 2
-        means[row] = np.average(middles, weights=lengths) if lengths.sum() > 0 else middles.mean()
-    return means
+    layout = strokes.layout
+    middles = strokes.half_width[layout.segment_joints].mean(1)
+    lengths = _lengths(strokes) + 1e-9  # so that a dot has a mean too
+    weights = np.bincount(layout.segment_row, lengths, strokes.row_count)
+    return np.asarray(np.bincount(layout.segment_row, lengths * middles, strokes.row_count) / weights)
 
 
 def is_constant_width(strokes: Strokes, tolerance: float) -> NDArray[np.bool_]:
@@ -43,7 +37,19 @@ def is_constant_width(strokes: Strokes, tolerance: float) -> NDArray[np.bool_]:
     layout = strokes.layout
     off = np.abs(strokes.half_width - mean_half_widths(strokes)[layout.joint_row])
     is_off = off[layout.segment_joints].max(1) > tolerance
-    length = np.linalg.norm(np.diff(strokes.segments(), axis=1), axis=-1).sum(1) + 1e-9  # of the control polygon
+    length = _lengths(strokes) + 1e-9
     stroke = layout.row_stroke[layout.segment_row]
     off_length = np.bincount(stroke[is_off], length[is_off], len(strokes))
     return np.asarray(off_length <= (1 - _MOST) * np.bincount(stroke, length, len(strokes)))
+
+
+def _lengths(strokes: Strokes) -> NDArray[np.float64]:
+    """About how long each segment is. [G] px
+
+    Source:
+        J. Gravesen 1997, "Adaptive subdivision and the length and energy of Bézier curves": for cubics, the mean of
+        chord and control polygon.
+    """
+    segments = strokes.segments()
+    polygon = np.linalg.norm(np.diff(segments, axis=1), axis=-1).sum(1)
+    return np.asarray((polygon + np.linalg.norm(segments[:, 3] - segments[:, 0], axis=-1)) / 2)
