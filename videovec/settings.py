@@ -137,7 +137,7 @@ class EditSettings:
     """Length under which a stroke that others cover is dropped, and gap over which two may be joined. px"""
     tolerance: Annotated[float, Between(0.01)] = 0.35
     """How far a line may move when segments are joined or traced. px"""
-    price: Annotated[float, Between(0)] = 0.01
+    price: Annotated[float, Between(0)] = 0.005
     """By how much the sum of squared coverage errors may rise, or must fall, for each control point less or more."""
 
 
