@@ -353,6 +353,25 @@ def test_bench_measures_a_drawing_with_known_strokes(videovec: Command, tmp_path
     assert videovec("bench", "stills", tmp_path / "nothing").exit_code == 2
 
 
+def test_bench_measures_a_clip_with_known_strokes(videovec: Command, tmp_path: Path) -> None:
+    (tmp_path / "clips" / "truth").mkdir(parents=True)
+    line = np.linspace([4.0, 4.0], [28.0, 20.0], 4)
+    stroke = {"id": 1, "points": line.tolist(), "visible": [[0.0, 1.0]]}
+    truth = {
+        "size": [32, 24],
+        "frame_rate": 10,
+        "drawing_of_frame": [0],
+        "strokes": [{"id": 1, "name": "line", "is_closed": False, "width": 2, "color": [0, 0, 0]}],
+        "drawings": [[stroke]],
+    }
+    (tmp_path / "clips" / "truth" / "line.json").write_text(json.dumps(truth))
+    iio.imwrite(tmp_path / "clips" / "line.png", bar_image(32)[:24])
+    result = videovec("bench", "clips", tmp_path / "clips", "--pipeline", "good", "-o", "scores.csv")
+    assert result.exit_code == 0, result.output
+    assert "line" in result.stdout
+    assert len((tmp_path / "scores.csv").read_text().splitlines()) == 2
+
+
 def test_doctor_finds_this_machine_able(videovec: Command) -> None:
     result = videovec("doctor", "--json")
     assert result.exit_code == 0, result.output

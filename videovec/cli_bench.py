@@ -14,7 +14,9 @@ __all__ = ["bench"]
 
 bench = typer.Typer(no_args_is_help=True, help="Measure on drawings whose true strokes are known.")
 
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of NAME/truth.json and NAME/SET_SIZE.png.")]
+Stills = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of NAME/truth.json and NAME/SET_SIZE.png.")]
+Clips = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of clips and their truth, such as samples.")]
+Table = Annotated[Path | None, typer.Option("-o", "--out", help="Also write every score to this CSV.")]
 
 
 @bench.callback()
@@ -24,11 +26,11 @@ def groups() -> None:
 
 @bench.command()
 def stills(
-    folder: Folder,
+    folder: Stills,
     sets: Annotated[list[str] | None, typer.Option("--set-name", help="Only this set; may be repeated.")] = None,
     sizes: Annotated[list[int] | None, typer.Option("--size", help="Only this long edge; may be repeated.")] = None,
     methods: Annotated[list[str] | None, typer.Option("--method", help="ours, autotrace ...; may be repeated.")] = None,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Also write every score to this CSV.")] = None,
+    out: Table = None,
     preset: Preset = None,
     settings: Settings = None,
     quiet: Quiet = False,
@@ -44,3 +46,26 @@ def stills(
     typer.echo(scores_to_table(scores))
     if out:
         write_file(out, scores_to_csv(scores))
+
+
+@bench.command()
+def clips(
+    folder: Clips,
+    names: Annotated[list[str] | None, typer.Option("--name", help="Only this clip; may be repeated.")] = None,
+    pipelines: Annotated[list[str] | None, typer.Option("--pipeline", help="solid ...; may be repeated.")] = None,
+    out: Table = None,
+    preset: Preset = None,
+    settings: Settings = None,
+    quiet: Quiet = False,
+) -> None:
+    """Compare what pipelines make of clips with their true strokes: identity, position, jitter."""
+    from videovec.bench.clips import bench_clips, clips_to_csv, clips_to_table, read_clips
+    from videovec.config import configure
+    from videovec.files import write_file
+
+    found = read_clips(folder, names or ())
+    with progress_on(quiet=quiet) as progress:
+        results = bench_clips(found, configure(preset, settings or ()), pipelines or ("solid",), progress=progress)
+    typer.echo(clips_to_table(results))
+    if out:
+        write_file(out, clips_to_csv(results))

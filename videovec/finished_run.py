@@ -63,7 +63,7 @@ class FinishedRun:
         try:
             return decode(self.record.source, self.config().decode, slice(*self.record.frames), progress)
         except InputError as error:
-            (progress or Silent()).note(f"the clip is missing, so the preview shows the strokes alone: {error}")
+            (progress or Silent()).note(f"the clip is missing, so pictures show the strokes alone: {error}")
             return None
 
     def preview(self) -> Path:
@@ -104,7 +104,7 @@ class FinishedRun:
             OutputError: The folder cannot be written to.
         """
         config = self.config(overrides)
-        clip = self.clip(progress) if "preview" in formats else None
+        clip = self.clip(progress) if {"preview", "report"} & set(formats) else None
         target = out or self.folder.path
         written = export(self.tracks(), clip, target, config.export, formats, progress)
         if target == self.folder.path:

@@ -12,7 +12,6 @@ import json
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from importlib import import_module
 from io import StringIO
 from pathlib import Path
 
@@ -26,6 +25,7 @@ from videovec.fit import judge
 from videovec.ink import extract_ink
 from videovec.progress import Progress, Silent
 from videovec.render import resolve_backend
+from videovec.run import find_pipeline
 from videovec.settings import Config
 from videovec.tracks import StrokeTracks
 from videovec.write.lottie import lottie_text
@@ -163,9 +163,8 @@ def bench_clips(
     for true in clips:
         clip = decode(true.path)
         for pipeline in pipelines:
-            run: Callable[[Clip, Config, Progress], StrokeTracks] = import_module(f"videovec.pipelines.{pipeline}").run
             begin = time.process_time()
-            tracks = run(clip, config, Silent())
+            tracks = find_pipeline(pipeline)(clip, config, Silent())
             seconds = time.process_time() - begin
             results.append(_result(true, clip, pipeline, (tracks, seconds), config))
             if watch:
