@@ -5,8 +5,8 @@
 ``DIR`` holds NAME/truth.json. Drawings are made by ``make_textured.py``, where the protocol stands; pen width 10 px at
 512 px. The start is the truth with N(0, 1 px) on control points and half-widths and half of the strokes reversed
 (``--start noise``), or the automatic trace of the solidified ink (``--start traced``). Columns: *solid*, the start
-after 200 steps of solid strokes; *fit*; *ceiling*, the same fit from the true strokes and widths; *again*, the brush drawn
-once more with another seed, which is as near as statistics can come to random grain (0 for brushes without chance).
+after 200 steps of solid strokes; *fit*; *ceiling*, the same fit from the true strokes and widths; *again*, the brush
+drawn once more with another seed, which is as near as statistics can come to random grain (0 where there is no chance).
 LPIPS is AlexNet v0.1; SSIM Gaussian of 1.5 px; both on the picture, black on white.
 """
 

@@ -177,15 +177,17 @@ def find_repeat(strips: list[Strip], shortest: float, longest: float, most: int 
         most: How many of the strips, the longest ones, are looked at.
 
     Returns:
-        The shortest repeat whose evidence is within 5 % of the best; all repeats [K], and their evidence [K].
+        The shortest repeat whose peak of evidence is within 5 % of the best; all repeats [K], and their evidence [K].
     """
     longest_first = sorted(strips, key=lambda strip: -float(strip.weight.sum()))[:most]
     longest_first = [_coarser(strip) for strip in longest_first]
     count = max(int(np.log(longest / shortest) / np.log1p(_SCAN_STEP)), 1)
     repeats: Floats = shortest * (1 + _SCAN_STEP) ** np.arange(count, dtype=np.float64)
     scores = np.array([align(longest_first, float(repeat), sweeps=3).score for repeat in repeats])
-    good = np.flatnonzero(scores >= 0.95 * scores.max())
-    return float(repeats[good[0]]), repeats, scores
+    best = int(np.flatnonzero(scores >= 0.95 * scores.max())[0])
+    while best + 1 < count and scores[best + 1] > scores[best]:
+        best += 1
+    return float(repeats[best]), repeats, scores
 
 
 def _coarser(strip: Strip) -> Strip:

@@ -21,14 +21,14 @@ __all__ = ["CELL", "dab_cells", "gbr_tip", "gih_pipe"]
 
 Floats = NDArray[np.float64]
 
-CELL = 64  # px, side of a cell
+CELL = 80  # px, side of a cell; a quarter of a width is 16 px of it
 _CELL_WIDTHS = 1.25  # widths across a cell
 _STEP = 0.25  # widths from dab to dab
 _SPACING = round(100 * _STEP / _CELL_WIDTHS)  # percent of a cell
 
 
 def dab_cells(brush: Brush) -> Floats:
-    """Cells whose dabs, a quarter of a width apart and laid over one another, are the strip. [K, 64, 64] in [0, 1]"""
+    """Cells whose dabs, a quarter of a width apart and laid over one another, are the strip. [K, 80, 80] in [0, 1]"""
     count = max(round(brush.repeat / _STEP), 1)
     offset = ((np.arange(CELL) + 0.5) / CELL - 0.5) * _CELL_WIDTHS  # widths from the cell's centre
     u = (np.arange(count)[:, None] / count + offset / brush.repeat) % 1.0
@@ -36,7 +36,7 @@ def dab_cells(brush: Brush) -> Floats:
     x, y = u * columns - 0.5, (2 * offset / SUPPORT + 1) / 2 * rows - 0.5
     left = np.floor(x).astype(np.intp)
     share = (x - left)[..., None]
-    along = (1 - share) * brush.strip[left % columns] + share * brush.strip[(left + 1) % columns]  # [K, 64, V]
+    along = (1 - share) * brush.strip[left % columns] + share * brush.strip[(left + 1) % columns]  # [K, 80, V]
     across = np.clip(np.floor(y).astype(np.intp), -1, rows - 1)
     padded = np.pad(along, ((0, 0), (0, 0), (1, 1)))
     part = np.clip(y - across, 0, 1)
