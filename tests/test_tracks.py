@@ -217,6 +217,12 @@ def test_json_tells_where_every_stroke_is(tracks: StrokeTracks) -> None:
     }
 
 
+def test_an_event_after_the_last_drawing_is_on_the_frame_after_the_last(tracks: StrokeTracks) -> None:
+    ended = replace(tracks, events=(Event(EventKind.DEATH, 4, (1,)),))
+    assert ended.frame_of(ended.events[0]) == 8
+    assert json.loads(ended.to_json())["events"][0]["frame"] == 9
+
+
 def test_a_table_has_a_row_for_every_stroke_on_every_frame(tracks: StrokeTracks, tmp_path: Path) -> None:
     frame = tracks.to_dataframe()
     assert len(frame) == 8 + 6

@@ -76,6 +76,7 @@ def json_text(tracks: StrokeTracks) -> str:
         {"frame": number, "drawing": drawing, "time": float(time)}
         for number, drawing, time in zip(numbers, timeline.drawing_of_frame.tolist(), timeline.times, strict=True)
     ]
+    numbers.append(numbers[-1] + 1)  # of an event that holds only after the last frame
     events = [
         {
             "kind": str(event.kind),
