@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from videovec.initialise.graph import Graph
 from videovec.initialise.junctions import Pairing
-from videovec.initialise.polyline import angle_between, arc, at_arc, corners, direction, resample, smooth
+from videovec.initialise.polyline import angle_between, arc, at_arc, corners, direction, resample, sharpen, smooth
 from videovec.initialise.prune import Widths
 
 __all__ = ["CentreLine", "Chain", "centre_line", "chains"]
@@ -25,6 +25,7 @@ _TRIM = 0.5  # widths that are left out on both sides of a junction that a strok
 _KINK = 60.0  # degrees beyond which a stroke that runs through a junction has a corner there
 _CORNER = 50.0  # degrees
 _CORNER_REACH = 1.2  # widths to either side between which a corner is told
+_ROUNDED = 0.8  # widths next to a corner in which thinning rounds it off
 _SMOOTHING = 0.3  # widths
 _THICK, _THICK_SHARE = 4.0, 0.3  # px up to which a skeleton wobbles with its line's width, and how it does beyond
 
@@ -144,7 +145,7 @@ def _run_out(line: Floats, width: float, coverage: NDArray[np.float32]) -> Float
         return line
     along = np.arange(-0.5, 2.0 * width + 2.0, 0.25)
     where = (line[-1] - along[:, None] * inward - 0.5).astype(np.float32)
-    profile = cv2.remap(coverage, where[:, 0], where[:, 1], cv2.INTER_LINEAR)[:, 0]
+    profile = cv2.remap(coverage, where[:, 0], where[:, 1], cv2.INTER_LINEAR).ravel()
     peak = max(float(profile[:3].max()), 1e-6)
     empty = np.flatnonzero(profile < 0.25 * peak)
     stop = int(empty[0]) + 1 if len(empty) else len(profile)
@@ -177,6 +178,9 @@ def _smoothed(line: Floats, width: float, is_closed: bool, step: float) -> tuple
         line, found = np.concatenate([ring, ring[:1]]), found - found[0]
     else:
         found = corners(line, reach, _CORNER, False)
+    skip, side = max(1, round(_ROUNDED * width / step)), max(3, round(width / step))
+    for corner in found:
+        line = sharpen(line, int(corner), skip, side, width + 1.0)
     cuts = np.unique(np.concatenate([[0], found, [len(line) - 1]]))
     parts = [smooth(line[low : high + 1], sigma, False) for low, high in pairwise(cuts)]
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])]), found

@@ -28,7 +28,7 @@ _SLIVER = 1.5  # widths of length below which a stroke amid other ink is a mixtu
 def _values(coverage: Coverage, points: Floats) -> Coverage:
     """Coverage at points [K, 2] px. [K]"""
     where = (points - 0.5).astype(np.float32)
-    return np.asarray(cv2.remap(coverage, where[:, 0], where[:, 1], cv2.INTER_LINEAR)[:, 0], dtype=np.float32)
+    return np.asarray(cv2.remap(coverage, where[:, 0], where[:, 1], cv2.INTER_LINEAR).ravel(), dtype=np.float32)
 
 
 def _turn(one: tuple[Floats, Floats], two: tuple[Floats, Floats], inked: Coverage) -> float:

@@ -13,7 +13,7 @@ __all__ = ["fit_spline"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
-_ROUNDS = 4  # reparametrisations of each least-squares fit
+_ROUNDS = 12  # reparametrisations of each least-squares fit
 _TANGENT_SAMPLES = 4  # samples to either side of a smooth joint from which its tangent is told
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-__all__ = ["angle_between", "arc", "corners", "direction", "end_tangent", "resample", "smooth"]
+__all__ = ["angle_between", "arc", "corners", "direction", "end_tangent", "resample", "sharpen", "smooth"]
 
 Floats = NDArray[np.float64]
 
@@ -95,6 +95,37 @@ def corners(line: Floats, reach: int, limit: float, is_closed: bool) -> NDArray[
         if all(gap >= reach for gap in gaps):
             found.append(int(i))
     return np.array(sorted(found), np.intp)
+
+
+def sharpen(line: Floats, corner: int, skip: int, reach: int, farthest: float) -> Floats:
+    """Move a rounded corner to where its two sides would meet.
+
+    Args:
+        line: Samples at equal steps. [M, 2] px
+        corner: The sample at which it turns.
+        skip: Samples on either side that are rounded off; they are laid out straight to the new corner.
+        reach: Samples beyond them that tell where a side leads.
+        farthest: How far a corner may move. px
+
+    Returns:
+        As many samples; the same ones where the sides are too short or do not meet near by.
+    """
+    low, high = corner - skip, corner + skip
+    if low - reach < 0 or high + reach >= len(line):
+        return line
+    sides = [line[low - reach : low + 1], line[high + reach : high - 1 : -1]]
+    ways = [side[-1] - side[0] for side in sides]
+    across = ways[0][0] * ways[1][1] - ways[0][1] * ways[1][0]
+    if abs(across) < 0.1 * float(np.linalg.norm(ways[0]) * np.linalg.norm(ways[1])):
+        return line
+    between = sides[1][0] - sides[0][0]
+    meeting = sides[0][0] + (between[0] * ways[1][1] - between[1] * ways[1][0]) / across * ways[0]
+    if np.linalg.norm(meeting - line[corner]) > farthest:
+        return line
+    result = line.copy()
+    result[low : corner + 1] = np.linspace(line[low], meeting, skip + 1)
+    result[corner : high + 1] = np.linspace(meeting, line[high], skip + 1)
+    return result
 
 
 def smooth(line: Floats, sigma: float, is_closed: bool) -> Floats:

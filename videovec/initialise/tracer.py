@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from videovec.initialise.centreline import centre_line, chains, closed_line
 from videovec.initialise.crossings import bridge_gaps, is_sliver
 from videovec.initialise.cubics import fit_spline
-from videovec.initialise.graph import Graph, skeleton_graph
+from videovec.initialise.graph import Graph, polyline_length, skeleton_graph
 from videovec.initialise.junctions import Pairing, pair_branches
 from videovec.initialise.lines import line_mask
 from videovec.initialise.prune import Widths, clean
@@ -73,15 +73,20 @@ class _Lines:
 
 
 def _calibrated(graph: Graph, coverage: Coverage) -> Widths:
-    """Widths by which the rules of geometry go: all ink over all length, against the mask's mean radius."""
+    """Widths by which the rules of geometry go: what the ink weighs, against the mask's mean radius.
+
+    The ink of lines of width w and length L with n round ends is w L + n pi w^2 / 8.
+    """
     radii = [branch.radius for branch in graph.branches.values()] + graph.loop_radius
-    lengths = [branch.length for branch in graph.branches.values()]
-    lengths += [float(np.linalg.norm(np.diff(loop, axis=0), axis=1).sum()) for loop in graph.loops]
-    if not radii or sum(lengths) <= 0.0:
+    lines = [branch.line for branch in graph.branches.values()] + graph.loops
+    length = sum(polyline_length(line) for line in lines)
+    if length <= 0.0:
         return Widths(1.0, _LEAST_WIDTH)
-    radius = float(np.mean(np.concatenate(radii)))
     mass = float(coverage[coverage > 0.02].sum())
-    return Widths(float(np.clip(mass / sum(lengths) / (2.0 * radius), 0.5, 1.5)), _LEAST_WIDTH)
+    caps = np.pi / 8.0 * sum(graph.degree(node) == 1 for node in graph.nodes())
+    width = 2.0 * mass / (length + np.sqrt(length * length + 4.0 * caps * mass))
+    radius = float(np.mean(np.concatenate(radii)))
+    return Widths(float(np.clip(width / (2.0 * radius), 0.5, 1.5)), _LEAST_WIDTH)
 
 
 def _junctions(graph: Graph, pairings: list[Pairing]) -> list[Junction]:
