@@ -39,6 +39,8 @@ class Schedule:
         scale: Kernel scale at the start.
         coarse: Share of the steps over which the scale falls to 1.
         rebuild: Steps between two builds of the pair lists.
+        floor: Gradient below which a parameter moves less than its rate: along a line nothing pulls, and a rate that
+            does not fall with the pull would fold the line onto itself.
         begin: First of the steps to take now; those before it were taken by earlier calls.
         end: The step to stop before; none for all.
     """
@@ -50,6 +52,7 @@ class Schedule:
     scale: float = 2.0
     coarse: float = 0.3
     rebuild: int = 10
+    floor: float = 1e-8
     begin: int = 0
     end: int | None = None
 
@@ -133,5 +136,5 @@ def _optimiser(parameters: Parameters, schedule: Schedule) -> tuple[torch.optim.
     ]
     for tensor, _ in free:
         tensor.grad = torch.zeros_like(tensor)
-    optimiser = torch.optim.Adam([{"params": [tensor]} for tensor, _ in free], betas=(0.9, 0.99), eps=1e-8)
+    optimiser = torch.optim.Adam([{"params": [tensor]} for tensor, _ in free], betas=(0.9, 0.99), eps=schedule.floor)
     return optimiser, [rate for _, rate in free]

@@ -47,10 +47,8 @@ def add_strokes(strokes: Strokes, page: Page, ink: Ink, settings: EditSettings, 
     )
     shapes = shapes_of(strokes)
     above = int(max(strokes.layer, default=-1)) + 1
-    least = settings.delta_max * residual.size
     for shape, layer in zip(shapes_of(found), layers_of(found, page.size), strict=True):
-        gain = -page.rise([], [layer])
-        if gain > max(least, settings.price * len(shape.points)):
+        if -page.rise([], [layer]) > settings.price * len(shape.points):
             page.add(layer)
             shapes.append(replace(shape, id=next_id, layer=above))
             next_id, above = next_id + 1, above + 1
