@@ -31,6 +31,8 @@ _SLACK = 2
 """Nodes at an end that may go without support, since the ends of skeletons are unsure."""
 _HULL = 0.6
 """Share of supported nodes above which gaps are bridged."""
+_WHOLE = 0.8
+"""Share of a closed stroke that must lie on ink for it to be seen whole."""
 _SEEN = 0.2
 """Share of a stroke that must be seen for it to be there."""
 
@@ -113,7 +115,7 @@ def _claimed(nodes: Nodes, positions: Floats, reach: Floats, target: Target) -> 
 
 
 def _interval(supported: Bools, is_closed: bool) -> tuple[int, int]:
-    """First and last seen node of a stroke; a closed one is seen whole or not at all."""
+    """First and last seen node of a stroke; of a closed one, what is seen does not go through its beginning."""
     count = len(supported)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], supported.astype(np.int8), [0]])))
     begins, ends = edges[::2], edges[1::2]
@@ -122,8 +124,8 @@ def _interval(supported: Bools, is_closed: bool) -> tuple[int, int]:
     begins, ends = begins[long], ends[long]
     if not len(begins) or supported.mean() < _SEEN:
         return 0, -1
-    if is_closed:
-        return (0, count - 1) if supported.mean() >= 0.5 else (0, -1)
+    if is_closed and supported.mean() >= _WHOLE:
+        return 0, count - 1
     first, last = int(begins[0]), int(ends[-1]) - 1
     if supported[first : last + 1].mean() < _HULL:
         longest = int(np.argmax(ends - begins))
