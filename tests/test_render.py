@@ -354,6 +354,7 @@ def test_the_fused_loss_is_the_composed_one(with_extra: bool, threads: str, monk
 
 
 @pytest.mark.cuda
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="needs a CUDA device")
 @pytest.mark.parametrize("name", SCENES)
 def test_a_gpu_draws_and_differentiates_like_the_cpu(name: str) -> None:
     scene = in_precision(SCENES[name](), torch.float32)
