@@ -180,7 +180,7 @@ def _smoothed(line: Floats, width: float, is_closed: bool, step: float) -> tuple
         found = corners(line, reach, _CORNER, False)
     skip, side = max(1, round(_ROUNDED * width / step)), max(3, round(width / step))
     for corner in found:
-        line = sharpen(line, int(corner), skip, side, width + 1.0)
+        line = sharpen(line, int(corner), skip, side, width)
     cuts = np.unique(np.concatenate([[0], found, [len(line) - 1]]))
     parts = [smooth(line[low : high + 1], sigma, False) for low, high in pairwise(cuts)]
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])]), found

@@ -97,7 +97,7 @@ def corners(line: Floats, reach: int, limit: float, is_closed: bool) -> NDArray[
     return np.array(sorted(found), np.intp)
 
 
-def sharpen(line: Floats, corner: int, skip: int, reach: int, farthest: float) -> Floats:
+def sharpen(line: Floats, corner: int, skip: int, reach: int, width: float) -> Floats:
     """Move a rounded corner to where its two sides would meet.
 
     Args:
@@ -105,7 +105,8 @@ def sharpen(line: Floats, corner: int, skip: int, reach: int, farthest: float) -
         corner: The sample at which it turns.
         skip: Samples on either side that are rounded off; they are laid out straight to the new corner.
         reach: Samples beyond them that tell where a side leads.
-        farthest: How far a corner may move. px
+        width: Width of the line; the skeleton of a round join that opens by an angle a lies w (1 / sin(a / 2) - 1) / 4
+            off its corner, and no corner moves much farther. px
 
     Returns:
         As many samples; the same ones where the sides are too short or do not meet near by.
@@ -120,6 +121,8 @@ def sharpen(line: Floats, corner: int, skip: int, reach: int, farthest: float) -
         return line
     between = sides[1][0] - sides[0][0]
     meeting = sides[0][0] + (between[0] * ways[1][1] - between[1] * ways[1][0]) / across * ways[0]
+    opening = np.radians(max(angle_between(ways[0], ways[1]), 5.0))
+    farthest = 0.25 * width * (1.0 / np.sin(0.5 * opening) - 1.0) + max(1.0, 0.2 * width)
     if np.linalg.norm(meeting - line[corner]) > farthest:
         return line
     result = line.copy()
