@@ -11,7 +11,7 @@ from videovec.errors import ConfigError
 from videovec.progress import Progress
 from videovec.render.scene import Scene
 from videovec.settings import RenderSettings
-from videovec.threads import thread_count
+from videovec.threads import configure_threads, thread_count
 
 __all__ = ["BACKENDS", "Backend", "BackendReport", "describe_backend", "prepare_backend", "resolve_backend"]
 
@@ -87,9 +87,13 @@ def describe_backend(settings: RenderSettings) -> BackendReport:
 
 
 def prepare_backend(backend: Backend, progress: Progress) -> None:
-    """Compile what the fit calls, and say so, where no earlier run has done it; at once elsewhere."""
+    """Make ready for a fit: on the CPU compile what it calls, and say so, unless an earlier run has done it.
+
+    There torch gets one thread: drawings are what runs in parallel, and torch's threads would wait for each other.
+    """
     if backend.name != "numba":
         return
+    configure_threads()
     from videovec.compiling import is_compiled
     from videovec.render.fused import coverage_loss_and_gradients
     from videovec.render.pairs import list_pairs
