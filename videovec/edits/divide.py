@@ -68,8 +68,9 @@ def _gains(segments: Floats, half_width: Floats, residual: Floats, opacity: floa
         at = where + offset * normal - 0.5
         value = map_coordinates(residual, [at[..., 1], at[..., 0]], order=1, mode="constant")
         displaced += np.where(abs(offset) <= reach, np.sign(offset) * value, 0.0) * _STEP / 2.0
-    displaced = np.clip(displaced / opacity, -_FARTHEST, _FARTHEST)
-    weight = 2.0 * speed / _SAMPLES  # both edges
+    peak = opacity * np.minimum(1.0, 2.0 * (reach - _BEYOND))  # coverage on the centre line
+    displaced = np.clip(displaced / np.maximum(peak, 1e-3), -_FARTHEST, _FARTHEST)
+    weight = 2.0 * peak**2 * speed / _SAMPLES  # both edges
     whole, left = _unexplained(displaced, weight, t)
     one, _ = _unexplained(displaced[:, : _SAMPLES // 2], weight[:, : _SAMPLES // 2], t[: _SAMPLES // 2])
     two, _ = _unexplained(displaced[:, _SAMPLES // 2 :], weight[:, _SAMPLES // 2 :], t[_SAMPLES // 2 :])

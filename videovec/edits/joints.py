@@ -77,7 +77,7 @@ def _removals(shape: Shape, settings: EditSettings) -> list[_Removal]:
     share = arcs[:, :half].sum(axis=1) / np.maximum(total, 1e-9)
     widths = shape.half_width
     widened = (1.0 - share) * widths[joints - 1] + share * widths[joints + 1] - widths[joints]
-    cost += np.square(widened) * total
+    cost = (cost + np.square(widened) * total) * np.minimum(1.0, 2.0 * widths[joints]) ** 2
     within = (errors.max(axis=1) <= settings.tolerance) & (cost <= _PROMISE * settings.price * _POINTS)
     return [_Removal(int(joints[i]), cubics[i], float(cost[i])) for i in np.flatnonzero(within)]
 
