@@ -22,6 +22,7 @@ from videovec.errors import InputError
 from videovec.ink import Ink, extract_ink
 from videovec.metrics import chamfer, length_difference, psnr, ssim, topology
 from videovec.parameters import Parameters
+from videovec.perceptual import Perceptual
 from videovec.progress import Progress, Silent
 from videovec.render import render_image, resolve_backend
 from videovec.settings import Config
@@ -30,7 +31,6 @@ from videovec.strokes import Strokes
 __all__ = ["Result", "Still", "StillScore", "bench_stills", "read_stills"]
 
 Floats = NDArray[np.float64]
-Distance = Callable[[Floats, Floats], float]
 
 COVER = 2.0
 """Distance within which a stroke covers another. px at 512"""
@@ -77,7 +77,7 @@ class StillScore:
         merges: Strokes of several true ones.
         psnr: Of the image, grey. dB
         ssim: Of the image, grey.
-        lpips: Of the image; NaN without the network.
+        lpips: Of the image, AlexNet.
         seconds: CPU time from ink to strokes.
     """
 
@@ -160,7 +160,14 @@ def _draw(strokes: Strokes, ink: Ink, config: Config) -> Floats:
     return np.asarray(image[0].mean(-1).clamp(0, 1).cpu().numpy(), dtype=np.float64)
 
 
-def _trace(still: Still, method: str, config: Config, distance: Distance | None) -> Result:
+def _lpips(network: Perceptual, one: Floats, two: Floats) -> float:
+    """Perceptual distance of two grey images."""
+    with torch.no_grad():
+        a, b = (torch.as_tensor(image, dtype=torch.float32).expand(1, 3, *image.shape) for image in (one, two))
+        return float(network.distance(a, b))
+
+
+def _trace(still: Still, method: str, config: Config, network: Perceptual) -> Result:
     """Trace one drawing by one method and score what came out."""
     clip = decode(still.path)
     pixels = clip.drawings[0]
@@ -195,7 +202,7 @@ def _trace(still: Still, method: str, config: Config, distance: Distance | None)
         merges=shape.merges,
         psnr=psnr(image, drawn),
         ssim=ssim(image, drawn),
-        lpips=distance(image, drawn) if distance else _NAN,
+        lpips=_lpips(network, image, drawn),
         seconds=seconds,
     )
     return Result(score, image, strokes, drawn)
@@ -205,7 +212,6 @@ def bench_stills(
     stills: Sequence[Still],
     config: Config,
     methods: Sequence[str] = ("ours",),
-    distance: Distance | None = None,
     watch: Callable[[Result], None] | None = None,
     progress: Progress | None = None,
 ) -> list[StillScore]:
@@ -215,7 +221,6 @@ def bench_stills(
         stills: The drawings.
         config: How ours works.
         methods: Names of `videovec.bench.peers.TRACERS`; what is not installed is left out with a note.
-        distance: Perceptual distance of two grey images; none is measured without.
         watch: Given every result, for pictures.
         progress: Told of every tracing.
 
@@ -233,10 +238,10 @@ def bench_stills(
     for method in set(methods) - set(present):
         progress.note(f"{method} is left out: {TRACERS[method].needs} is not installed")
     progress.stage("bench", len(stills) * len(present))
-    scores = []
+    network, scores = Perceptual.load(), []
     for still in stills:
         for method in present:
-            result = _trace(still, method, config, distance)
+            result = _trace(still, method, config, network)
             scores.append(result.score)
             if watch:
                 watch(result)

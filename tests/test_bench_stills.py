@@ -1,0 +1,73 @@
+"""The benchmark of stills on a drawing made here, tiny, so that it cannot rot."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from videovec.bench import TRACERS, bench_stills, read_stills, scores_to_csv, scores_to_table, sheet
+from videovec.bench.peers import installed
+from videovec.bench.stills import Result
+from videovec.errors import InputError
+from videovec.settings import Config
+
+SIZE = 96
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """One drawing of two straight strokes, 3 px wide, drawn by OpenCV at sixteen times the size."""
+    ends = [((0.1, 0.2), (0.9, 0.8)), ((0.15, 0.85), (0.8, 0.1))]
+    large = np.full((SIZE * 16, SIZE * 16), 255, np.uint8)
+    for start, stop in ends:
+        one, two = (tuple(int(v * SIZE * 16) for v in point) for point in (start, stop))
+        cv2.line(large, one, two, 0, 48, cv2.LINE_AA)
+    drawing = tmp_path / "cross"
+    drawing.mkdir()
+    image = cv2.resize(large, (SIZE, SIZE), interpolation=cv2.INTER_AREA)
+    cv2.imwrite(str(drawing / f"w3_{SIZE}.png"), image)
+    strokes = [[np.linspace(start, stop, 4).tolist()] for start, stop in ends]
+    (drawing / "truth.json").write_text(json.dumps({"strokes": strokes}), encoding="utf-8")
+    return tmp_path
+
+
+def test_ours_finds_the_strokes_of_a_cross(folder: Path) -> None:
+    results: list[Result] = []
+    (score,) = bench_stills(read_stills(folder), Config(), watch=results.append)
+    assert score.success
+    assert (score.strokes, score.true_strokes, score.covered, score.matched) == (2, 2, 1.0, 1.0)
+    assert score.chamfer < 0.3
+    assert score.psnr > 35.0
+    assert score.ssim > 0.99
+    assert score.lpips < 0.01
+    assert sheet(results[0], 2).shape == (2 * SIZE, 6 * SIZE, 3)
+
+
+@pytest.mark.parametrize("method", list(TRACERS))
+def test_every_tracer_that_is_installed_has_its_row(folder: Path, method: str) -> None:
+    scores = bench_stills(read_stills(folder), Config(), (method,))
+    assert len(scores) == int(installed(TRACERS[method]))
+    if scores:
+        assert method in scores_to_table(scores)
+        assert scores[0].psnr > 15.0
+        assert scores_to_csv(scores).splitlines()[1].startswith(f"cross,w3,{SIZE},")
+
+
+def test_the_supplement_stands_beside_its_size(folder: Path) -> None:
+    (folder / "cross" / f"w3_{SIZE}.png").rename(folder / "cross" / "w3_512.png")
+    scores = bench_stills(read_stills(folder), Config(), ("ours, not fitted",))
+    assert "39.70" in scores_to_table(scores)
+
+
+def test_a_folder_without_drawings_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="found none"):
+        read_stills(tmp_path)
+
+
+def test_an_unknown_method_is_an_error(folder: Path) -> None:
+    with pytest.raises(InputError, match="got 'magic'"):
+        bench_stills(read_stills(folder), Config(), ("magic",))
