@@ -186,7 +186,7 @@ class BrushSettings:
     """Longest repeat of a texture. widths"""
     texture_margin: Annotated[float, Between(0, 1)] = 0.07
     """A texture must explain this much more of held-out strokes than of shuffled ones."""
-    lean_share: Annotated[float, Between(0, 1)] = 0.2
+    lean_share: Annotated[float, Between(0, 1)] = 0.12
     """A one-sided profile must explain this share of the grain of held-out strokes."""
 
 

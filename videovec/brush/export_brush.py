@@ -42,7 +42,7 @@ def export_brush(brush: Brush, folder: Path) -> tuple[Path, ...]:
         (f"{name}.png", strip_png(brush)),
         (f"{name}.json", meaning_json(brush)),
         (f"{name}.gih", gih_pipe(brush)),
-        (f"{name}.gbr", gbr_tip(dab_cells(brush)[0], name)),
+        (f"{name}.gbr", gbr_tip(dab_cells(brush)[0], f"{name} dab")),
         (f"{name}.kpp", kpp_preset(brush)),
         (f"{name}_blender.png", blender_image(brush)),
         (f"{name}_blender.py", blender_script(brush)),
