@@ -392,3 +392,17 @@ def test_the_fast_back_ends_agree_where_nearest_points_are_not_yet_found() -> No
     assert [distance(a, b) for a, b in zip(found["numba"], found["torch"], strict=True)] == pytest.approx(
         [0] * 7, abs=1e-3
     )
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf")])
+def test_points_that_are_no_numbers_are_named(bad: float) -> None:
+    scene = SCENES["crossing strokes"]()
+    scene.control[1, 2, 0] = bad
+    with pytest.raises(FitError, match="segment 1"):
+        list_pairs(scene, 1.0)
+
+
+def test_strokes_far_beyond_the_page_cost_nothing() -> None:
+    scene = SCENES["crossing strokes"]()
+    far = replace(scene, control=scene.control * 1e7)
+    assert len(list_pairs(far, 1.0)) < 10 * SIDE * SIDE

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from videovec.errors import FitError
 from videovec.render.scene import Scene
 
 __all__ = ["Chunks", "PairList", "cut_chunks", "kernel_reach", "list_pairs"]
@@ -21,6 +22,8 @@ CHUNK_ARC = 24.0
 """Longest chunk. px"""
 CHUNK_TURN = 1.6
 """Most that the control polygon of a chunk may turn. rad"""
+MOST_CHUNKS = 4096
+"""Of one segment: bounds the memory of strokes that fly off the page."""
 MARGIN = 1.0
 """How far points may move, or half-widths grow, before a list is stale. px"""
 ARC_SAMPLES = 8
@@ -99,7 +102,8 @@ def cut_chunks(scene: Scene, margin: float = MARGIN) -> Chunks:
     slack = (margin / arc.clamp(min=margin))[:, None]
     first, last = (interval + slack * interval.new_tensor([-1.0, 1.0])).clamp(0, 1).unbind(-1)
     is_visible = interval[:, 1] > interval[:, 0]
-    count = (torch.maximum(arc / CHUNK_ARC, turn / CHUNK_TURN) * (last - first)).ceil().clamp(min=1).long() * is_visible
+    pieces = torch.maximum(arc / CHUNK_ARC, turn / CHUNK_TURN) * (last - first)
+    count = pieces.ceil().clamp(1, MOST_CHUNKS).long() * is_visible
 
     segment_drawing = scene.drawing[scene.row]
     by_drawing = torch.argsort(segment_drawing, stable=True)
@@ -128,7 +132,13 @@ def list_pairs(scene: Scene, scale: float, *, margin: float = MARGIN) -> PairLis
 
     Returns:
         All pairs nearer than half-width + kernel + margin.
+
+    Raises:
+        FitError: A control point is not a number; looked for on the CPU alone, where looking costs nothing.
     """
+    if scene.control.device.type == "cpu" and not bool(scene.control.isfinite().all()):
+        lost = (~scene.control.isfinite()).flatten(1).any(1).nonzero()[0, 0]
+        raise FitError(f"scene.control must be finite, got {scene.control[lost].tolist()} in segment {int(lost)}")
     chunks = cut_chunks(scene, margin)
     if scene.control.device.type == "cpu":
         from videovec.render.numba_pairs import find_pairs
