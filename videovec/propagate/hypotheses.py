@@ -30,6 +30,8 @@ _LOOSE = 0.02
 """What is left of the stiffness between groups that moved apart."""
 _BAD = 0.25
 """Share of a stroke's nodes without ink from which on its group is searched for."""
+_LEFT = 12
+"""Centre-line pixels without strokes that are worth a search."""
 _TOUCH = 6.0
 """Strokes that come this near are one part. px"""
 _FEWEST = 6
@@ -53,10 +55,9 @@ def place(source: Source, target: Target, before: Target, velocity: Floats) -> t
     """
     positions = register(source, target, source.rest, (RIGID,))
     verdict = judge(source, target, positions)
-    if verdict.is_accepted(_ACCEPT):
-        return source, positions
-    positions, verdict = _best_start(source, target, before, velocity, (positions, verdict))
-    if verdict.is_accepted(_ACCEPT):
+    if not verdict.is_accepted(_ACCEPT):
+        positions, verdict = _best_start(source, target, before, velocity, (positions, verdict))
+    if _is_settled(source, verdict):
         return source, positions
     return _search_parts(source, target, positions, verdict)
 
@@ -108,7 +109,7 @@ def _search_parts(source: Source, target: Target, positions: Floats, verdict: Ve
     tangents = source.nodes.tangents(source.rest)
     for _ in range(_ROUNDS):
         group = _next_group(source, verdict, tried)
-        if group is None or verdict.is_accepted(_ACCEPT):
+        if group is None or _is_settled(source, verdict):
             break
         members = np.isin(source.nodes.stroke, group)
         scene = scene_of(target, np.clip(verdict.ink_cost / 4.0, 0.25, 1.0))
@@ -124,12 +125,24 @@ def _search_parts(source: Source, target: Target, positions: Floats, verdict: Ve
     return source, positions
 
 
+def _is_settled(source: Source, verdict: Verdict) -> bool:
+    """Whether no stroke has lost its ink, or there is not enough ink left for any that has."""
+    return not _bad(source, verdict).any() or int(verdict.ink_far.sum()) < _LEFT
+
+
+def _bad(source: Source, verdict: Verdict) -> NDArray[np.bool_]:
+    """Strokes that lie off the ink with much of their length. bool [S]"""
+    stroke, count = source.nodes.stroke, len(source.nodes.bases)
+    size = np.bincount(stroke, source.weight > 0, minlength=count)
+    return np.asarray(np.bincount(stroke, verdict.node_far, minlength=count) > _BAD * np.maximum(size, 1))
+
+
 def _next_group(source: Source, verdict: Verdict, tried: set[tuple[int, ...]]) -> Ints | None:
     """The largest group of bad strokes that was not searched for yet: a whole part, or one stroke."""
     stroke = source.nodes.stroke
     count = len(source.nodes.bases)
     size = np.bincount(stroke, source.weight > 0, minlength=count)
-    bad = np.bincount(stroke, verdict.node_far, minlength=count) > _BAD * np.maximum(size, 1)
+    bad = _bad(source, verdict)
     part = _parts(source)
     groups = [np.flatnonzero(part == p) for p in np.unique(part[bad])]
     groups += [np.flatnonzero((part == p) & bad) for p in np.unique(part[bad])]
