@@ -29,11 +29,12 @@ def true_tracks(name: str) -> StrokeTracks:
         points = [one["points"] if one else None for one in seen]
         points = [one or next(p for p in reversed(points[:k]) if p) for k, one in enumerate(points)]
         visible = [[one["visible"][0][0], one["visible"][-1][1]] if one and one["visible"] else [0, 0] for one in seen]
+        joints = (len(drawings[shown[0]][stroke["id"]]["points"]) - 1) // 3 + 1
         life = StrokeLife(
             id=stroke["id"],
             first=shown[0],
             points=np.array(points, float),
-            half_width=np.full((len(seen), (len(points[0]) - 1) // 3 + 1), stroke["width"] / 2),
+            half_width=np.full((len(seen), joints), stroke["width"] / 2),
             opacity=np.ones(len(seen)),
             visible=np.array(visible, float),
             color=np.array(stroke["color"]) / 255,
