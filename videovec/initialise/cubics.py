@@ -13,12 +13,13 @@ __all__ = ["fit_spline"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
-_ROUNDS = 12  # reparametrisations of each least-squares fit
+_ROUNDS = 12  # reparametrisations of each least-squares fit, at most
+_STILL = 1e-3  # change of every parameter below which they end
 _TANGENT_SAMPLES = 4  # samples to either side of a smooth joint from which its tangent is told
 
 
 @numba.njit(cache=True)
-def _fit_cubic(line: Floats, first: Floats, last: Floats, rounds: int) -> tuple[Floats, Floats]:
+def _fit_cubic(line: Floats, first: Floats, last: Floats, rounds: int, still: float) -> tuple[Floats, Floats]:
     """One cubic from the first sample to the last; a zero tangent leaves its handle free. Cubic [4, 2], errors [M]."""
     count = len(line)
     t = np.zeros(count)
@@ -75,6 +76,7 @@ def _fit_cubic(line: Floats, first: Floats, last: Floats, rounds: int) -> tuple[
         for d in range(2):
             cubic[0, d], cubic[3, d] = line[0, d], line[-1, d]
             cubic[1, d], cubic[2, d] = line[0, d] + h[d], line[-1, d] + h[2 + d]
+        moved = 0.0
         for i in range(count):
             s, r = t[i], 1.0 - t[i]
             p, v, a = np.zeros(2), np.zeros(2), np.zeros(2)
@@ -88,6 +90,9 @@ def _fit_cubic(line: Floats, first: Floats, last: Floats, rounds: int) -> tuple[
                 slope = v[0] * v[0] + v[1] * v[1] + p[0] * a[0] + p[1] * a[1]
                 if slope > 1e-9:
                     t[i] = min(1.0, max(0.0, s - (p[0] * v[0] + p[1] * v[1]) / slope))
+                    moved = max(moved, abs(t[i] - s))
+        if moved < still:
+            break
     return cubic, error
 
 
@@ -101,15 +106,15 @@ def _tangent(line: Floats, at: int, low: int, high: int, reach: int) -> Floats:
 
 
 @numba.njit(cache=True)
-def _fit_stretch(line: Floats, tolerance: float, ends: Floats, rounds: int, reach: int) -> Floats:
+def _fit_stretch(line: Floats, tolerance: float, ends: Floats, rounds: int, still: float, reach: int) -> Floats:
     """Cubics along a line without corners, split where they are worst, then rejoined where one does as well.
 
     ``ends`` are the tangents at both ends, zero for free. [n, 4, 2]
     """
     last = len(line) - 1
     joints = [0, last]
-    cubics = [_fit_cubic(line, ends[0], ends[1], rounds)[0]]
-    worst = [_fit_cubic(line, ends[0], ends[1], rounds)[1].max()]
+    whole, whole_error = _fit_cubic(line, ends[0], ends[1], rounds, still)
+    cubics, worst = [whole], [whole_error.max()]
     k = 0
     while k < len(cubics):
         low, high = joints[k], joints[k + 1]
@@ -118,11 +123,11 @@ def _fit_stretch(line: Floats, tolerance: float, ends: Floats, rounds: int, reac
             continue
         first = ends[0] if low == 0 else _tangent(line, low, 0, last, reach)
         final = ends[1] if high == last else -_tangent(line, high, 0, last, reach)
-        error = _fit_cubic(line[low : high + 1], first, final, rounds)[1]
+        error = _fit_cubic(line[low : high + 1], first, final, rounds, still)[1]
         at = min(max(low + int(np.argmax(error)), low + 2), high - 2)
         middle = _tangent(line, at, 0, last, reach)
-        one, error_one = _fit_cubic(line[low : at + 1], first, -middle, rounds)
-        two, error_two = _fit_cubic(line[at : high + 1], middle, final, rounds)
+        one, error_one = _fit_cubic(line[low : at + 1], first, -middle, rounds, still)
+        two, error_two = _fit_cubic(line[at : high + 1], middle, final, rounds, still)
         joints.insert(k + 1, at)
         cubics[k], worst[k] = one, error_one.max()
         cubics.insert(k + 1, two)
@@ -132,7 +137,7 @@ def _fit_stretch(line: Floats, tolerance: float, ends: Floats, rounds: int, reac
         low, high = joints[k - 1], joints[k + 1]
         first = ends[0] if low == 0 else _tangent(line, low, 0, last, reach)
         final = ends[1] if high == last else -_tangent(line, high, 0, last, reach)
-        cubic, error = _fit_cubic(line[low : high + 1], first, final, rounds)
+        cubic, error = _fit_cubic(line[low : high + 1], first, final, rounds, still)
         if error.max() <= tolerance:
             joints.pop(k)
             cubics.pop(k)
@@ -172,6 +177,6 @@ def fit_spline(line: Floats, corners: Ints, tolerance: float, is_closed: bool) -
     parts = []
     for low, high in pairwise(cuts):
         ends = np.stack([seam if low == 0 else np.zeros(2), -seam if high == last else np.zeros(2)])
-        parts.append(_fit_stretch(line[low : high + 1], tolerance, ends, _ROUNDS, _TANGENT_SAMPLES))
+        parts.append(_fit_stretch(line[low : high + 1], tolerance, ends, _ROUNDS, _STILL, _TANGENT_SAMPLES))
     control = np.concatenate(parts)
     return np.concatenate([control[:1, 0], control[:, 1:].reshape(-1, 2)])

@@ -15,7 +15,9 @@ Coverage = NDArray[np.float32]
 _FAINT = 0.06  # coverage below which nothing is a ridge, on a page without noise
 _THIN_PEAK = 0.8  # ridges fainter than this belong to lines thinner than a pixel or so
 _LEVEL_THIN, _LEVEL = 0.5, 0.7  # fractions of the ridge's peak at which lines are cut out
-_SPECK = 5.0  # noise levels that a component's ink must weigh
+_QUIET = 0.004  # noise below which every mark was meant
+_SPECK = 5.0  # noise levels that a component's ink must weigh on a noisy page
+_LEAST_INK, _LEAST_SIDE = 1.5, 4.0  # px² of ink or px of extent that it must have there
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,16 +53,18 @@ def _enlargement(coverage: Coverage, level: float) -> int:
 
 def _without_specks(mask: NDArray[np.uint8], coverage: Coverage, scale: int, noise: float) -> NDArray[np.uint8]:
     """Drop components whose ink the page's noise could have made."""
+    if noise < _QUIET:
+        return mask
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
-    ink = cv2.resize(coverage, mask.shape[::-1], interpolation=cv2.INTER_AREA)
-    weight = np.bincount(labels.ravel(), ink.ravel(), count) / scale**2
+    row, column = np.nonzero(mask)
+    weight = np.bincount(labels[row, column], coverage[row // scale, column // scale], count) / scale**2
     area = stats[:, cv2.CC_STAT_AREA] / scale**2
     side = np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]) / scale
     keep = weight > _SPECK * noise * np.sqrt(np.maximum(area, 4.0))
-    if noise > 0.004:
-        keep &= (weight > 1.5) | (side > 4.0)
-    keep[0] = False
-    return np.asarray(keep[labels].astype(np.uint8) * np.uint8(255))
+    keep &= (weight > _LEAST_INK) | (side > _LEAST_SIDE)
+    kept = np.zeros_like(mask)
+    kept[row, column] = np.where(keep[labels[row, column]], np.uint8(255), np.uint8(0))
+    return kept
 
 
 def line_mask(coverage: Coverage, noise: float) -> LineMask:
