@@ -54,11 +54,16 @@ def propagate(
         part = _renumbered(walk(alone, mine, settings, trace, progress), mine.ids, next_id)
         next_id = max(next_id, int(part.strokes.ids.max(initial=0)) + 1)
         parts.append(part)
-    events = {event: None for part in parts for event in part.events}
+    together = Strokes.concatenate([part.strokes for part in parts])
+    order = np.argsort(together.ids)
+    begin = together.layout.stroke_rows
+    rows = [np.arange(begin[s], begin[s + 1]) for s in order]
+    confidence = np.concatenate([np.zeros(0), *(part.confidence for part in parts)])
+    events = dict.fromkeys(event for part in parts for event in part.events)
     return Propagated(
-        Strokes.concatenate([part.strokes for part in parts]),
+        together.select(order),
         tuple(sorted(events, key=lambda event: event.drawing)),
-        np.concatenate([np.zeros(0), *(part.confidence for part in parts)]),
+        confidence[np.concatenate([np.zeros(0, np.intp), *rows])],
     )
 
 

@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from test_propagate import FAST, FIGURE, draw, strokes_of, turned
+
+from videovec.initialise import initialise
+from videovec.ink import Ink
+from videovec.propagate import propagate
+from videovec.settings import InitialiseSettings
+from videovec.strokes import Strokes
+
+RED, BLUE = np.array([0.9, 0.1, 0.1]), np.array([0.1, 0.1, 0.9])
+
+
+def two_inks(red: list[NDArray[np.uint8]], blue: list[NDArray[np.uint8]]) -> Ink:
+    """Red ink above blue ink."""
+    over, under = np.stack(red), np.stack(blue)
+    label = np.where(over > 0, 0, 1).astype(np.uint8)
+    return Ink(np.maximum(over, under), label, np.stack([RED, BLUE]), np.ones(3), 0.0)
+
+
+def painted(strokes: Strokes, colors: list[NDArray[np.float64]]) -> Strokes:
+    return replace(strokes, color=np.stack(colors))
+
+
+def test_equal_shapes_of_two_inks_that_pass_each_other_keep_their_colours_and_order() -> None:
+    shift = [-20.0, -7.0, 7.0, 20.0]
+    red = [turned(FIGURE[2:], 0, (x, 0)) for x in shift]
+    blue = [turned(FIGURE[2:], 0, (-x, 0)) for x in shift]
+    ink = two_inks([draw(c) for c in red], [draw(c) for c in blue])
+    first = painted(strokes_of([blue[0][0], red[0][0], blue[0][1], red[0][1]]), [BLUE, RED, BLUE, RED])
+    carried = propagate(ink, first, FAST, partial(initialise, settings=InitialiseSettings()))
+    assert carried.strokes.ids.tolist()[:4] == [1, 2, 3, 4]
+    assert len(carried.confidence) == carried.strokes.row_count
+    for stroke, truth in enumerate([blue, red, blue, red]):
+        found = carried.strokes.points_of(carried.strokes.row(stroke, 3))
+        assert np.abs(found - truth[3][stroke // 2]).max() < 5.0, stroke  # a swap is 40 px off
