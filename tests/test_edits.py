@@ -157,6 +157,70 @@ def test_dearer_control_points_make_fewer() -> None:
     assert counts[0] > counts[1] > counts[2]
 
 
+def _cut(gap: float) -> tuple[Floats, Floats]:
+    """A line in two parts with a gap between them. px"""
+    span = LINE[-1] - LINE[0]
+    half = 0.5 * gap / np.linalg.norm(span)
+    return (
+        np.linspace(LINE[0], LINE[0] + span * (0.5 - half), 4),
+        np.linspace(LINE[0] + span * (0.5 + half), LINE[-1], 4),
+    )
+
+
+@pytest.mark.parametrize("turned", [(), (0,), (1,), (0, 1)])
+def test_strokes_that_continue_one_another_become_one(turned: tuple[int, ...]) -> None:
+    parts = [part[::-1] if i in turned else part for i, part in enumerate(_cut(2.0))]
+    edited = edit(_strokes(*parts), _ink(_strokes(LINE)), EditSettings())
+    assert len(edited) == 1
+    ends = edited.points[[0, -1]]
+    np.testing.assert_allclose(ends[np.argsort(ends[:, 0])], LINE[[0, -1]], atol=0.01)
+
+
+def test_d_min_is_the_gap_over_which_strokes_are_joined() -> None:
+    ink = _ink(_strokes(LINE))
+    assert len(edit(_strokes(*_cut(4.0)), ink, EditSettings(delta_max=1.0))) == 1
+    assert len(edit(_strokes(*_cut(4.0)), ink, EditSettings(delta_max=1.0, d_min=3.0))) == 2
+
+
+def test_strokes_with_paper_between_them_stay_two() -> None:
+    strokes = _strokes(*_cut(4.0), half_width=0.75)
+    assert len(edit(strokes, _ink(strokes), EditSettings())) == 2
+
+
+def test_strokes_that_meet_at_a_corner_stay_two() -> None:
+    strokes = _strokes(np.linspace([10.0, 10.0], [50.0, 80.0], 4), np.linspace([50.0, 80.0], [85.0, 15.0], 4))
+    assert len(edit(strokes, _ink(strokes), EditSettings())) == 2
+
+
+def test_strokes_that_a_third_one_meets_stay_apart() -> None:
+    one, two = _cut(0.5)
+    strokes = _strokes(one, two, np.linspace(one[-1], one[-1] + [-10.0, 20.0], 4))
+    assert len(edit(strokes, _ink(strokes), EditSettings())) == 3
+
+
+def test_strokes_of_other_inks_stay_apart() -> None:
+    strokes = _strokes(*_cut(0.5))
+    colored = replace(strokes, color=np.array([[0.0, 0, 0], [1.0, 0, 0]]))
+    ink = replace(_ink(strokes), palette=colored.color)
+    assert len(edit(colored, ink, EditSettings())) == 2
+
+
+def test_a_segment_that_cannot_bend_like_the_ink_is_split() -> None:
+    x = np.linspace(8.0, 86.0, 10)
+    wave = np.stack([x, 48.0 + np.array([0, -3, -3, 0, 3, 3, 0, -3, -3, 0.0])], axis=1)
+    stiff = wave[[0, 3, 6, 9]]
+    edited = fit(_ink(_strokes(wave)), _strokes(stiff), FitSettings(steps=300))
+    plain = fit(_ink(_strokes(wave)), _strokes(stiff), FitSettings(steps=300, edits=EditSettings(every=0)))
+    assert len(edited.strokes) == 1
+    assert edited.strokes.layout.segments[0] >= 2
+    assert edited.psnr[0] > plain.psnr[0] + 6
+
+
+def test_a_segment_that_the_optimiser_can_move_is_not_split() -> None:
+    edited = edit(_strokes(BOW + np.array([0.3, -0.4])), _ink(_strokes(BOW)), EditSettings())
+    assert edited.layout.segments.tolist() == [1]
+
+
 def test_a_fit_edits_on_its_way() -> None:
     ink = _ink(_strokes(LINE, BOW))
     start = _strokes(LINE + 0.4, np.linspace([10.0, 10.0], [12.0, 40.0], 4))

@@ -28,7 +28,7 @@ ORDER = (
     ("optimise", "temporal", "evidence", "picture"),
     ("initialise", "reference"),
     ("propagate", "link"),
-    ("edits",),
+    ("drawing_terms", "edits"),
     ("fit",),
     ("start",),
     ("metrics", "clip_metrics"),

@@ -11,6 +11,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from videovec.drawing_terms import drawing_terms
 from videovec.edits import edit
 from videovec.evidence import Evidence, gather_evidence
 from videovec.ink import Ink
@@ -88,7 +89,7 @@ def _fit_drawing(ink: Ink, strokes: Strokes, settings: FitSettings, backend: Bac
         if begin > 0:
             strokes = edit(strokes, ink, settings.edits)
         part = replace(schedule, begin=begin, end=min(begin + every, settings.steps))
-        terms = _terms(strokes, settings.weights, backend.device)
+        terms = drawing_terms(strokes, ink.coverage, settings, backend.device)
         strokes = optimise(strokes, ink.coverage, part, terms, backend, progress).strokes
     return strokes
 

@@ -17,14 +17,29 @@ from torch import Tensor
 
 from videovec.parameters import Parameters
 from videovec.progress import Progress, Silent
-from videovec.render import Backend, coverage_loss_and_gradients, list_pairs, resolve_backend
+from videovec.render import Backend, PairList, coverage_loss_and_gradients, list_pairs, resolve_backend
 from videovec.settings import RenderSettings
 from videovec.strokes import Strokes
 
-__all__ = ["Optimised", "Schedule", "Term", "optimise"]
+__all__ = ["Optimised", "PixelTerm", "Schedule", "Term", "optimise"]
 
 Term = Callable[[Parameters], Tensor]
 """A weighted scalar that autograd can follow to the parameters."""
+
+
+@dataclass(frozen=True, slots=True)
+class PixelTerm:
+    """A loss of the rendered drawings that brings its own gradient.
+
+    Args:
+        gradient: Loss of each drawing [D], and the derivative of their sum by each active pixel's value [A].
+        weight: Its weight.
+        every: Steps between two evaluations; one counts for all of them.
+    """
+
+    gradient: Callable[[PairList, Tensor], tuple[Tensor, Tensor]]
+    weight: float
+    every: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +98,7 @@ def optimise(
     strokes: Strokes,
     target: NDArray[np.uint8],
     schedule: Schedule,
-    terms: Sequence[Term] = (),
+    terms: Sequence[Term | PixelTerm] = (),
     backend: Backend | None = None,
     progress: Progress | None = None,
 ) -> Optimised:
@@ -108,6 +123,7 @@ def optimise(
     seen = torch.as_tensor(target, device=backend.device)
     size = (target.shape[0], target.shape[1], target.shape[2])
     optimiser, rates = _optimiser(parameters, schedule)
+    pixel_terms = [term for term in terms if isinstance(term, PixelTerm)]
     losses = np.zeros(len(schedule.span))
     for step in schedule.span:
         scale = schedule.scale_at(step)
@@ -115,10 +131,16 @@ def optimise(
             if step == schedule.begin or step % schedule.rebuild == 0:
                 intervals = parameters.intervals()
                 pairs = list_pairs(parameters.scene(size, intervals), scale)
-            match = coverage_loss_and_gradients(parameters.scene(size, intervals), pairs, scale, seen)
+            scene = parameters.scene(size, intervals)
+            match = coverage_loss_and_gradients(scene, pairs, scale, seen)
+        due = [term for term in pixel_terms if step % term.every == 0]
+        if due:
+            slopes = [term.weight * term.every * term.gradient(pairs, match.value)[1] for term in due]
+            match = coverage_loss_and_gradients(scene, pairs, scale, seen, torch.stack(slopes).sum(0))
         optimiser.zero_grad(set_to_none=False)
         for term in terms:
-            term(parameters).backward()  # type: ignore[no-untyped-call]
+            if not isinstance(term, PixelTerm):
+                term(parameters).backward()  # type: ignore[no-untyped-call]
         parameters.accumulate(match)
         for group, rate in zip(optimiser.param_groups, rates, strict=True):
             group["lr"] = rate * schedule.decay_at(step)
