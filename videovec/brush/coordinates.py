@@ -69,6 +69,17 @@ class Coordinates:
     direction: Floats
     distance: Floats
 
+    def select(self, which: NDArray[np.bool_]) -> Coordinates:
+        """Some of the pairs, by mask."""
+        return Coordinates(
+            self.pixel[which],
+            self.segment[which],
+            self.t[which],
+            self.arc[which],
+            self.direction[which],
+            self.distance[which],
+        )
+
 
 def sample_rows(strokes: Strokes) -> RowSamples:
     """Sample the visible part of every row for `find_coordinates`."""

@@ -17,6 +17,7 @@ _NOTE = """{name}: a brush learned by videovec ({model}, pen {width:.1f} px, rep
 
 {name}.png, {name}.json   The brush itself: 16-bit linear ink along (x) and across (y) the stroke, and what it means.
 {name}.gih                GIMP, Krita: overlapping dabs. Exact on a straight line along +x; approximate on curves.
+                         GIMP: native size, dynamics off, mode Normal (legacy), Incremental on.
 {name}.gbr                GIMP, Krita: one of those dabs. Approximate: every mark is the same.
 {name}.kpp                Krita preset that paints with {name}.gih, turned along the stroke. Import both. Approximate.
 {name}_blender.py, .png   Blender: makes a Grease Pencil material that lays the strip along the stroke.

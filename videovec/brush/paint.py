@@ -18,7 +18,7 @@ from videovec.brush.coordinates import Coordinates, find_coordinates
 from videovec.brush.model import SUPPORT, Brush, Laying, stroke_joints
 from videovec.strokes import Strokes
 
-__all__ = ["BrushTensors", "Pairs", "find_pairs", "paint"]
+__all__ = ["BrushTensors", "Pairs", "find_pair_groups", "find_pairs", "paint"]
 
 _OPAQUE = 0.9995  # the largest alpha, so that clearness keeps a logarithm
 
@@ -99,6 +99,13 @@ class BrushTensors:
 def find_pairs(strokes: Strokes, laying: Laying, size: tuple[int, int, int], reach: float = SUPPORT) -> Pairs:
     """Pairs of all pixels that the strokes can touch on D pages of H x W px."""
     return _pairs(strokes, laying, find_coordinates(strokes, size, reach), size)
+
+
+def find_pair_groups(strokes: Strokes, laying: Laying, size: tuple[int, int, int], drawings: int) -> list[Pairs]:
+    """The pairs of `find_pairs`, for a few drawings at a time: what is differentiated at once bounds memory."""
+    found = find_coordinates(strokes, size, SUPPORT)
+    group = found.pixel // (size[1] * size[2] * drawings)
+    return [_pairs(strokes, laying, found.select(group == k), size) for k in np.unique(group)]
 
 
 def _pairs(strokes: Strokes, laying: Laying, found: Coordinates, size: tuple[int, int, int]) -> Pairs:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from videovec.brush.model import Brush, Laying, stroke_joints
-from videovec.brush.paint import BrushTensors, Pairs, find_pairs, paint
+from videovec.brush.paint import BrushTensors, Pairs, find_pair_groups, paint
 from videovec.progress import Progress
 from videovec.strokes import Layout, Strokes
 
@@ -18,6 +18,7 @@ __all__ = ["Laid", "RefineSchedule", "refine"]
 
 Floats = NDArray[np.float64]
 
+_DRAWINGS_AT_ONCE = 4
 _SMOOTH_TURN = np.cos(np.radians(60.0))  # joints that turn less than this are smooth, and stay so
 
 
@@ -108,18 +109,19 @@ def refine(laid: Laid, coverage: NDArray[np.uint8], schedule: RefineSchedule, pr
     moving = [(leaf, rate) for leaf, rate in zip(_all(leaves), rates, strict=True) if rate > 0]
     optimiser = torch.optim.Adam([{"params": [leaf]} for leaf, _ in moving], betas=(0.9, 0.99))
     kinks = _smooth_joints(laid.strokes)
-    now, target = laid, torch.zeros(0)
-    pairs: Pairs | None = None
+    groups: list[Pairs] = []
     for step in range(schedule.steps):
-        if step % schedule.rebuild == 0 or pairs is None:
+        if step % schedule.rebuild == 0:
             now = _laid(leaves, laid)
-            pairs = find_pairs(now.strokes, now.laying, coverage.shape)
-            target = torch.as_tensor(coverage.reshape(-1)[pairs.pixels.numpy()], dtype=torch.float32) / 255
-        tensors = leaves.tensors(laid.brush)
-        loss = (paint(pairs, tensors) - target).square().sum()
-        loss = loss + schedule.prior * (tensors.strip - tensors.strip.detach().mean(0)).square().sum()
-        loss = loss + schedule.continuity * _kink(leaves.points, kinks)
+            groups = find_pair_groups(now.strokes, now.laying, coverage.shape, _DRAWINGS_AT_ONCE)
         optimiser.zero_grad(set_to_none=True)
+        for pairs in groups:
+            target = torch.as_tensor(coverage.reshape(-1)[pairs.pixels.numpy()], dtype=torch.float32) / 255
+            error = (paint(pairs, leaves.tensors(laid.brush)) - target).square().sum()
+            error.backward()  # type: ignore[no-untyped-call]
+        strip = torch.sigmoid(leaves.logit_strip)
+        loss = schedule.prior * (strip - strip.detach().mean(0)).square().sum()
+        loss = loss + schedule.continuity * _kink(leaves.points, kinks)
         loss.backward()  # type: ignore[no-untyped-call]
         decay = 0.1 + 0.45 * (1 + float(np.cos(np.pi * step / schedule.steps)))
         for group, (_, rate) in zip(optimiser.param_groups, moving, strict=True):
