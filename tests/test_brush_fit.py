@@ -185,7 +185,11 @@ def test_gradients_of_painting_match_finite_differences(name: str) -> None:
     laying = replace(Laying.plain(strokes.layout), density=np.array([0.7, 0.9]))
     pairs = find_pairs(strokes, laying, (1, 40, 40))
     pairs = replace(
-        pairs, **{k: getattr(pairs, k).double() for k in ("weights", "t", "direction", "offset", "arc", "sign")}
+        pairs,
+        **{
+            k: getattr(pairs, k).double()
+            for k in ("weights", "t", "direction", "offset", "arc", "tangent", "begin", "sign")
+        },
     )
     start = BrushTensors.of(strokes, laying, brush)
     start = BrushTensors(

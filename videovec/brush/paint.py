@@ -39,6 +39,9 @@ class Pairs:
         direction: Along which distance is signed. [N, 2]
         offset: Pixel centre along that direction. [N] px
         arc: Arc length. [N] px
+        origin: First control point of its row. int64 [N]
+        tangent: Unit tangent of the row there. [N, 2]
+        begin: That control point along that tangent when the arc was measured. [N] px
         sign: Sign of the stroke's laying. [N]
     """
 
@@ -53,6 +56,9 @@ class Pairs:
     direction: Tensor
     offset: Tensor
     arc: Tensor
+    origin: Tensor
+    tangent: Tensor
+    begin: Tensor
     sign: Tensor
 
 
@@ -118,6 +124,10 @@ def _pairs(strokes: Strokes, laying: Laying, found: Coordinates, size: tuple[int
     place = found.pixel % (size[1] * size[2])
     centre = np.stack([place % size[2] + 0.5, place // size[2] + 0.5], axis=1)
 
+    origin = layout.row_points[:-1]
+    tangent = strokes.points[origin + 1] - strokes.points[origin]
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
+
     def index(values: NDArray[np.intp]) -> Tensor:
         return torch.as_tensor(values, dtype=torch.int64)
 
@@ -136,6 +146,9 @@ def _pairs(strokes: Strokes, laying: Laying, found: Coordinates, size: tuple[int
         direction=tensor(found.direction),
         offset=tensor((centre * found.direction).sum(1)),
         arc=tensor(found.arc),
+        origin=index(origin[row]),
+        tangent=tensor(tangent[row]),
+        begin=tensor((strokes.points[origin] * tangent).sum(1)[row]),
         sign=tensor(laying.sign[stroke]),
     )
 
@@ -146,11 +159,16 @@ def _between(values: Tensor, ends: Tensor, t: Tensor) -> Tensor:
 
 
 def stroke_coordinates(pairs: Pairs, tensors: BrushTensors) -> tuple[Tensor, Tensor]:
-    """u in widths, phase included, and v in half-widths of every pair; by the envelope theorem t may stay. [N] twice"""
+    """u in widths, phase included, and v in half-widths of every pair. [N] twice
+
+    By the envelope theorem t may stay while points move. To first order arc length changes by what the row's first
+    point moves along the stroke, and by nothing else: what tells a hidden end where it is.
+    """
     nearest = (pairs.weights[:, :, None] * tensors.points[pairs.points]).sum(1)
     distance = pairs.offset - (nearest * pairs.direction).sum(1)
     half_width = _between(tensors.half_width, pairs.joints, pairs.t).clamp(min=1e-3)
-    u = pairs.sign * pairs.arc / tensors.width + _between(tensors.phase, pairs.phases, pairs.t)
+    moved = (tensors.points[pairs.origin] * pairs.tangent).sum(1) - pairs.begin
+    u = pairs.sign * (pairs.arc - moved) / tensors.width + _between(tensors.phase, pairs.phases, pairs.t)
     return u, pairs.sign * distance / half_width
 
 
