@@ -18,6 +18,8 @@ from videovec.strokes import Strokes
 
 __all__ = ["edit"]
 
+_CHANCE = 8.0  # variances of the noise: what a control point gains by following it is 2, and noise is not white
+
 
 def edit(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
     """Simplify and densify the strokes of one drawing.
@@ -34,7 +36,8 @@ def edit(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
         The edited strokes; those that stay keep their identities, new ones get new ones.
     """
     next_id = int(max(strokes.ids, default=0)) + 1  # one that was dropped keeps its identity to itself
-    settings = replace(settings, price=settings.price * _strength(strokes) ** 2)
+    price = settings.price * _strength(strokes) ** 2 + _CHANCE * ink.noise**2
+    settings = replace(settings, price=price)
     page = Page(ink.coverage[0], layers_of(strokes, ink.size))
     strokes = drop(strokes, page, settings)
     strokes = add_strokes(strokes, page, ink, settings, next_id)
