@@ -1,14 +1,20 @@
-"""Settings of the whole test run: workers do not fight for cores, and a test that is skipped proves nothing."""
+"""Settings of the whole test run: no fight for cores, no luck, and no skipped test, which would prove nothing."""
 
 from __future__ import annotations
 
 import os
 
 import pytest
+from hypothesis import settings
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # each worker has a core of its own; read before numba and torch are imported
     for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+
+
+# the verdict on a commit does not depend on luck; --hypothesis-profile=default looks for new cases
+settings.register_profile("fixed", derandomize=True)
+settings.load_profile("fixed")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -64,7 +64,8 @@ def by_skia(document: str, size: tuple[int, int], scale: int = 1) -> Floats:
     canvas = surface.getCanvas()
     canvas.clear(skia.ColorWHITE)
     canvas.scale(scale, scale)
-    skia.SVGDOM.MakeFromStream(skia.MemoryStream(document.encode())).render(canvas)
+    data = document.encode()  # the stream borrows it: it must outlive the parsing
+    skia.SVGDOM.MakeFromStream(skia.MemoryStream(data)).render(canvas)
     return _averaged(surface.makeImageSnapshot().toarray()[..., :3].mean(-1) / 255, scale)
 
 
