@@ -18,6 +18,7 @@ from videovec.propagate.residual import Residual, find_residual
 from videovec.propagate.revive import revive
 from videovec.propagate.step import Follower, Placement, carry, follow
 from videovec.propagate.target import Target, make_target
+from videovec.propagate.unhide import unhide
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
 
@@ -56,6 +57,7 @@ def walk(
     for direction in (1, -1):
         _Walk(ink, settings, trace, direction, book).run(seed, progress)
     bound, confidence = bind(sorted(book.lives, key=lambda life: life.id))
+    bound = unhide(bound, ink)
     return Propagated(bound, events_of(bound, confidence, book.cuts, ink.drawing_count), confidence)
 
 
