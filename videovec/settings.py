@@ -181,7 +181,7 @@ class BrushSettings:
     """Optimiser updates of strokes with a profile."""
     texture_steps: Annotated[int, Between(0)] = 200
     """Optimiser updates of strokes with a shared texture."""
-    least_width: Annotated[float, Between(0)] = 4.0
+    least_width: Annotated[float, Between(0)] = 2.5
     """Strokes of less mean width show too little of their grain to measure it. px"""
     least_grain: Annotated[float, Between(0)] = 0.05
     """Ink that varies less than this inside strokes is smooth."""
