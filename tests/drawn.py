@@ -16,6 +16,7 @@ from videovec.stroke_shape import StrokeShape
 Floats = NDArray[np.float64]
 
 _SAMPLES = 150  # discs along a segment that stand for it
+_SCALLOP = 0.01  # px
 _OVERSAMPLING = 4
 
 
@@ -39,9 +40,12 @@ def coverage(shapes: list[StrokeShape], size: int) -> Floats:
     for shape in shapes:
         part = shape.visible_part()
         count = len(part.half_width) - 1
-        place = np.linspace(0, count, count * _SAMPLES + 1)
+        segments = segments_of(part.points)
+        fastest = 3 * np.linalg.norm(np.diff(segments, axis=1), axis=-1).max()  # px for each unit of t, at most
+        apart = np.sqrt(8 * max(part.half_width.min(), 0.1) * _SCALLOP)  # px at which discs leave so deep a scallop
+        place = np.linspace(0, count, count * max(_SAMPLES, int(np.ceil(fastest / apart))) + 1)
         segment = np.minimum(place.astype(np.intp), count - 1)
-        centres = evaluate(segments_of(part.points)[segment], place - segment)
+        centres = evaluate(segments[segment], place - segment)
         for centre, radius in zip(centres, width_at(part.half_width, segment, place - segment), strict=True):
             first = np.maximum(np.floor((centre - radius - 1) * _OVERSAMPLING).astype(int), 0)
             last = np.ceil((centre + radius + 1) * _OVERSAMPLING).astype(int)
