@@ -30,6 +30,10 @@ _LOOSE = 0.02
 """What is left of the stiffness between groups that moved apart."""
 _BAD = 0.25
 """Share of a stroke's nodes without ink from which on its group is searched for."""
+_LEAP = 2.5
+"""How far a part may be found again, in sizes of the part."""
+_LEAP_PAGE = 0.08
+"""How far any part may be found again, in long edges of the page."""
 _LEFT = 12
 """Centre-line pixels without strokes that are worth a search."""
 _TOUCH = 6.0
@@ -115,7 +119,10 @@ def _search_parts(source: Source, target: Target, positions: Floats, verdict: Ve
         scene = scene_of(target, np.clip(verdict.ink_cost / 4.0, 0.25, 1.0))
         label = np.where(members, part.max() + 1, part)
         apart = _loosened(source, label)
-        for motion in find_motions(scene, source.rest[members], tangents[members], _TURNS, _KEEP):
+        rest = source.rest[members]
+        for motion in find_motions(scene, rest, tangents[members], _TURNS, _KEEP):
+            if not _is_leap_plausible(rest, motion.apply(rest), target):
+                continue
             start = np.where(members[:, None], motion.apply(source.rest), positions)
             moved = register(apart, target, start, (COARSE, FINE))
             new = judge(apart, target, moved)
@@ -123,6 +130,12 @@ def _search_parts(source: Source, target: Target, positions: Floats, verdict: Ve
                 positions, verdict, part = moved, new, label
         source = _loosened(source, part)
     return source, positions
+
+
+def _is_leap_plausible(rest: Floats, moved: Floats, target: Target) -> bool:
+    """Whether a part would go no farther than a few times its own size: an eye that closes is not a heart elsewhere."""
+    leap = float(np.median(np.linalg.norm(moved - rest, axis=1)))
+    return bool(leap <= max(_LEAP * float(np.ptp(rest, axis=0).max()), _LEAP_PAGE * max(target.ink.shape)))
 
 
 def _is_settled(source: Source, verdict: Verdict) -> bool:
