@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from videovec.brush.model import Brush, Laying, stroke_joints
+from videovec.brush.model import Brush, Laying
 from videovec.brush.paint import BrushTensors, Pairs, find_pair_groups, paint
 from videovec.progress import Progress
 from videovec.strokes import Layout, Strokes
@@ -190,8 +190,3 @@ def _kink(points: Tensor, triples: NDArray[np.intp]) -> Tensor:
     incoming = torch.nn.functional.normalize(at - before, dim=1, eps=1e-3)
     outgoing = torch.nn.functional.normalize(after - at, dim=1, eps=1e-3)
     return (incoming - outgoing).square().sum()
-
-
-def stroke_of_phase(layout: Layout) -> NDArray[np.intp]:
-    """Stroke of every entry of `Laying.phase`. int [sum of n+1]"""
-    return np.repeat(np.arange(len(layout.segments)), np.diff(stroke_joints(layout)))

@@ -62,7 +62,7 @@ def unroll(laid: Laid, coverage: NDArray[np.uint8]) -> list[Strip]:
 
 def _alone(strokes: Strokes, size: tuple[int, ...]) -> NDArray[np.float32]:
     """1 at pixels that at most one pass of one stroke can touch. [D, H, W]"""
-    found = find_coordinates(strokes, (size[0], size[1], size[2]), SUPPORT * 0.85, 0.5)
+    found = find_coordinates(strokes, (size[0], size[1], size[2]), SUPPORT, 1.0)
     passes = np.bincount(found.pixel, minlength=int(np.prod(size)))
     return (passes <= 1).astype(np.float32).reshape(size)
 
