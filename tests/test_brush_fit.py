@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import torch
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from videovec.brush import Brush, BrushModel, Laying, apply_brush, fit_brush, looks_textured, solidify
+from videovec.brush import Brush, BrushModel, Laying, apply_brush, export_brush, fit_brush, looks_textured, solidify
 from videovec.brush.align import align, find_repeat
 from videovec.brush.paint import BrushTensors, find_pairs, paint
 from videovec.brush.prepare import shorten_segments
@@ -106,6 +107,20 @@ def test_a_repeating_strip_is_found_and_drawn_again() -> None:
     plain = fit_brush(ink_of(page[None]), shaken(strokes), replace(QUICK, model="profile"))
     smooth = 1 - apply_brush(plain.brush, plain.strokes, (SIZE, SIZE), plain.laying)[..., 0]
     assert signal_to_noise(page, drawn) > signal_to_noise(page, smooth) + 5
+
+
+def test_a_known_brush_is_laid_along_other_strokes(tmp_path: Path) -> None:
+    rng, strokes = np.random.default_rng(9), arcs(7)
+    strip = grain(144, 24, rng)
+    padded = np.pad(strip, ((0, 0), (4, 4)))  # from -1..1 to about -1.3..1.3
+    export_brush(Brush("known", BrushModel.TEXTURE, padded, 8.0, 9.0), tmp_path)
+    page = draw(strokes, strip, rng.uniform(0, 9, 7), 9.0)
+    found = fit_brush(ink_of(page[None]), shaken(strokes), replace(QUICK, brush=str(tmp_path)))
+    assert found.brush.name == "known"
+    assert found.brush.repeat * found.brush.width == pytest.approx(72, rel=0.02)
+    drawn = 1 - apply_brush(found.brush, found.strokes, (SIZE, SIZE), found.laying)[..., 0]
+    assert found.evidence.explained > 0.3
+    assert signal_to_noise(page, drawn) > 23
 
 
 def test_grain_that_never_repeats_is_taken_for_grain() -> None:

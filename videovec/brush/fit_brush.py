@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from videovec.brush.align import Alignment
-from videovec.brush.choose import Evidence, Lean, weigh
+from videovec.brush.choose import Evidence, Lean, grain_level, weigh
 from videovec.brush.gauge import centre_support, full_scale
 from videovec.brush.grain import measure_grain, synthesise_grain
+from videovec.brush.known import lay_known
 from videovec.brush.lay import lay_again, lay_texture
 from videovec.brush.model import Brush, BrushModel, Laying
 from videovec.brush.prepare import fit_profile, mean_width, shorten_segments
 from videovec.brush.refine import Laid, RefineSchedule, refine
-from videovec.brush.strips import TEXELS_PER_WIDTH, unroll
+from videovec.brush.storage import load_brush
+from videovec.brush.strips import TEXELS_PER_WIDTH, Strip, unroll
 from videovec.errors import FitError
 from videovec.ink import Ink
 from videovec.progress import Progress, Silent
@@ -24,6 +27,7 @@ from videovec.strokes import Strokes
 
 __all__ = ["BrushFit", "fit_brush"]
 
+_INK = 12  # coverage, of 255, from which a pixel holds ink
 GRAIN_WIDTHS = 48  # length of a strip of synthesised grain; strokes begin anywhere in it
 
 
@@ -77,6 +81,8 @@ def fit_brush(
     strokes = shorten_segments(strokes, settings.longest_segment * mean_width(strokes))
     laid = fit_profile(strokes, ink.coverage, settings.profile_steps, progress)
     strips = unroll(laid, ink.coverage)
+    if settings.brush:
+        return _with_known(laid, strips, ink.coverage, settings, progress, rng)
     evidence, texture, lean = weigh(strips, laid.brush.width, settings, rng)
     progress.note(describe(evidence))
     if evidence.model is BrushModel.TEXTURE:
@@ -86,8 +92,32 @@ def fit_brush(
             laid = _with_lean(laid, lean, ink.coverage, settings, progress)
         if evidence.model is BrushModel.GRAIN:
             laid = _with_grain(laid, ink.coverage, rng)
-    pixels = int((ink.coverage > 12).sum())
-    return BrushFit(laid.brush, laid.strokes, laid.laying, evidence, pixels)
+    return BrushFit(laid.brush, laid.strokes, laid.laying, evidence, _ink_pixels(ink.coverage))
+
+
+def _ink_pixels(coverage: NDArray[np.uint8]) -> int:
+    return int((coverage > _INK).sum())
+
+
+def _with_known(
+    laid: Laid,
+    strips: list[Strip],
+    coverage: NDArray[np.uint8],
+    settings: BrushSettings,
+    progress: Progress,
+    rng: np.random.Generator,
+) -> BrushFit:
+    """Lay the brush of a file, and fit all but its texels."""
+    brush = load_brush(Path(settings.brush))
+    grain = grain_level(strips)
+    laid, explained = lay_known(laid, strips, brush, rng)
+    if brush.model is not BrushModel.GRAIN:
+        phase_rate = 0.01 if brush.model is BrushModel.TEXTURE else 0.0
+        schedule = RefineSchedule(settings.texture_steps, 0.08, 0.01, phase=phase_rate, strip=0.0)
+        laid = replace(refine(laid, coverage, schedule, progress), brush=laid.brush)
+    nothing = float("nan")
+    evidence = Evidence(brush.model, laid.brush.width, grain, brush.repeat, explained, nothing, nothing, nothing)
+    return BrushFit(laid.brush, laid.strokes, laid.laying, evidence, _ink_pixels(coverage))
 
 
 def describe(evidence: Evidence) -> str:

@@ -14,7 +14,7 @@ from videovec.brush.model import Brush, BrushModel, Laying, stroke_joints
 from videovec.brush.refine import Laid
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip, joint_arcs, unroll
 
-__all__ = ["lay_again", "lay_texture"]
+__all__ = ["lay_again", "lay_texture", "phases_at"]
 
 Floats = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ def lay_texture(laid: Laid, found: Alignment) -> Laid:
     strip = np.maximum(laid.brush.profile + found.texture, 0.0)
     brush = Brush(laid.brush.name, BrushModel.TEXTURE, strip, laid.brush.width, found.repeat)
     phase = [
-        _phases(arc / laid.brush.width, offset)
+        phases_at(arc / laid.brush.width, offset)
         for arc, offset in zip(joint_arcs(laid.strokes), found.offset, strict=True)
     ]
     laying = Laying(found.sign, np.concatenate(phase), laid.laying.density)
@@ -46,7 +46,7 @@ def lay_again(laid: Laid, coverage: NDArray[np.uint8]) -> Laid:
         share = explained_at(strip, texture, laid.brush.repeat, sign[stroke], now)
         other_sign, offset, other_share = lie_along(strip, texture, laid.brush.repeat)
         if other_share > share + _BETTER:
-            sign[stroke], phase[part] = other_sign, _phases(at, offset)
+            sign[stroke], phase[part] = other_sign, phases_at(at, offset)
     return replace(laid, laying=replace(laid.laying, sign=sign, phase=phase))
 
 
@@ -54,7 +54,7 @@ def _texel_arcs(count: int) -> Floats:
     return (np.arange(count) + 0.5) / TEXELS_PER_WIDTH
 
 
-def _phases(joints: Floats, offset: Floats) -> Floats:
+def phases_at(joints: Floats, offset: Floats) -> Floats:
     """Phase at joints [n+1] of the offsets of texels [L]; joints at arcs in widths."""
     return np.interp(joints, _texel_arcs(len(offset)), offset)
 
