@@ -39,3 +39,13 @@ def test_equal_shapes_of_two_inks_that_pass_each_other_keep_their_colours_and_or
     for stroke, truth in enumerate([blue, red, blue, red]):
         found = carried.strokes.points_of(carried.strokes.row(stroke, 3))
         assert np.abs(found - truth[3][stroke // 2]).max() < 5.0, stroke  # a swap is 40 px off
+
+
+def test_an_ink_that_comes_late_is_traced_when_it_comes() -> None:
+    red = [draw(FIGURE[2:])] * 4
+    blue = [draw([])] * 2 + [draw(FIGURE[:2])] * 2
+    first = painted(strokes_of(FIGURE[2:]), [RED, RED])
+    carried = propagate(two_inks(red, blue), first, FAST, partial(initialise, settings=InitialiseSettings()))
+    lives = carried.strokes.layout.first, carried.strokes.layout.last
+    assert [list(map(int, life)) for life in lives] == [[0, 0, 2, 2], [3, 3, 3, 3]]
+    np.testing.assert_allclose(carried.strokes.color[2:], [BLUE, BLUE])

@@ -57,7 +57,7 @@ class Verdict:
         Args:
             share: Share of ink without strokes, and of nodes without ink, that is let pass.
         """
-        if not len(self.ink_far) or self.ink_far.mean() <= share:
+        if not len(self.node_far) or not len(self.ink_far) or self.ink_far.mean() <= share:
             return True
         return bool(np.mean(self.node_far) <= share and np.sqrt(np.mean(self.bend)) <= _BENT)
 
