@@ -28,7 +28,6 @@ class Neighbours:
 
     Args:
         points: Control points that have a next drawing. int [A]
-        next_points: The same points one drawing later. int [A]
         middle: Control points with a drawing before and one after; the steps to them are ``stride``. int [B]
         stride: Control points from one drawing to the next. int [B]
         joints: Joints that have a next drawing. int [C]
@@ -40,7 +39,6 @@ class Neighbours:
     """
 
     points: Tensor
-    next_points: Tensor
     middle: Tensor
     stride: Tensor
     joints: Tensor
@@ -68,7 +66,6 @@ class Neighbours:
 
         return Neighbours(
             points=put(points),
-            next_points=put(points + stride[points]),
             middle=put(middle),
             stride=put(stride[middle]),
             joints=put(joints),
