@@ -1,4 +1,4 @@
-"""Solid line art: trace the first drawing, carry its strokes through the clip, fit all drawings together."""
+"""Solid line art: trace the first drawing, carry its strokes through the clip, vote on junctions, fit all together."""
 
 from functools import partial
 
@@ -11,6 +11,7 @@ from videovec.propagate import propagate
 from videovec.settings import Config
 from videovec.start import first_strokes, start_drawing, start_settings
 from videovec.tracks import StrokeTracks
+from videovec.vote import vote
 
 
 def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
@@ -21,5 +22,6 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     begun = first_strokes(ink, seed, config)
     first = fit(ink.at_drawing(seed), begun, start_settings(config), config.render, progress)
     carried = propagate(ink, first.strokes.shifted(seed), config.propagate, trace, progress)
+    carried = vote(ink, carried, seed, trace, progress)
     result = fit(ink, carried.strokes, config.fit, config.render, progress)
     return StrokeTracks.of(clip, ink, result, carried.events)

@@ -14,7 +14,7 @@ from videovec.curves import arc_length, parameter_at, segment_lengths, segments_
 from videovec.errors import InputError
 from videovec.stroke_life import StrokeLife
 
-__all__ = ["join_in_space", "join_in_time", "split_in_space", "split_in_time"]
+__all__ = ["cut_at", "join_ends", "join_in_space", "join_in_time", "split_in_space", "split_in_time"]
 
 Floats = NDArray[np.float64]
 
@@ -66,15 +66,26 @@ def join_in_space(first: StrokeLife, second: StrokeLife) -> StrokeLife:
     ways = [(a, b) for a in (first, first.reversed()) for b in (second, second.reversed())]
     gaps = [np.linalg.norm(a.points[:, -1] - b.points[:, 0], axis=-1) for a, b in ways]
     best = int(np.argmin([gap.mean() for gap in gaps]))  # the first on a tie: the direction of the first stroke stays
-    a, b = ways[best]
-    if gaps[best].max() <= _TOUCHING:
-        middle = (a.points[:, -1:] + b.points[:, :1]) / 2
-        points = np.concatenate([a.points[:, :-1], middle, b.points[:, 1:]], axis=1)
+    return join_ends(*ways[best], _TOUCHING)
+
+
+def join_ends(a: StrokeLife, b: StrokeLife, touching: float) -> StrokeLife:
+    """One stroke out of two of the same life: the second goes on where the first ends.
+
+    Args:
+        a: The first, whose identity it gets.
+        b: The second.
+        touching: Gap up to which the two ends meet in their middle; a larger one is bridged by a straight segment. px
+    """
+    end, start = a.points[:, -1:], b.points[:, :1]
+    if np.linalg.norm(end - start, axis=-1).max() <= touching:
+        middle = (end + start) / 2
+        handles = a.points[:, -2:-1] + (middle - end), b.points[:, 1:2] + (middle - start)
+        points = np.concatenate([a.points[:, :-2], handles[0], middle, handles[1], b.points[:, 2:]], axis=1)
         joint = (a.half_width[:, -1:] + b.half_width[:, :1]) / 2
         half_width = np.concatenate([a.half_width[:, :-1], joint, b.half_width[:, 1:]], axis=1)
     else:
-        start, end = a.points[:, -1:], b.points[:, :1]
-        points = np.concatenate([a.points, start + (end - start) / 3, start + (end - start) * 2 / 3, b.points], axis=1)
+        points = np.concatenate([a.points, end + (start - end) / 3, end + (start - end) * 2 / 3, b.points], axis=1)
         half_width = np.concatenate([a.half_width, b.half_width], axis=1)
     return replace(
         a, points=points, half_width=half_width, opacity=(a.opacity + b.opacity) / 2, visible=_joined_view(a, b, points)
@@ -99,7 +110,19 @@ def split_in_space(life: StrokeLife, u: float, new_id: int) -> tuple[StrokeLife,
         raise InputError(f"a cut must lie at an arc fraction between 0 and 1, got {u:g}")
     longest = max(life.points, key=arc_length)
     segments, parameters = parameter_at(longest, np.array([u]))
-    k, t = int(segments[0]), float(parameters[0])
+    return cut_at(life, int(segments[0]) + float(parameters[0]), new_id)
+
+
+def cut_at(life: StrokeLife, place: float, new_id: int) -> tuple[StrokeLife, StrokeLife]:
+    """Two strokes out of one, cut at one curve parameter on all drawings.
+
+    Args:
+        life: The stroke; a closed one becomes two open ones.
+        place: Segment plus parameter in it, inside the stroke.
+        new_id: Identity of the second part.
+    """
+    k = min(int(place), life.segment_count - 1)
+    t = place - k
     if t <= _EDGE and k > 0:
         k, t = k - 1, 1.0
     pieces = np.stack([segments_of(points) for points in life.points])  # [K, n, 4, 2]
@@ -114,7 +137,7 @@ def split_in_space(life: StrokeLife, u: float, new_id: int) -> tuple[StrokeLife,
     one = replace(life, points=_points_of(head), half_width=head_widths, is_closed=False)
     two = replace(life, id=new_id, points=_points_of(tail), half_width=tail_widths, is_closed=False)
     lengths = np.array([[arc_length(points) for points in part.points] for part in (one, two)])
-    share = np.divide(lengths[0], lengths.sum(0), out=np.full(lengths.shape[1], u), where=lengths.sum(0) > 0)[:, None]
+    share = np.divide(lengths[0], lengths.sum(0), out=np.full(lengths.shape[1], 0.5), where=lengths.sum(0) > 0)[:, None]
     share = np.clip(share, 1e-9, 1 - 1e-9)
     return (
         replace(one, visible=np.clip(life.visible / share, 0, 1)),
