@@ -68,11 +68,18 @@ def decode(
         progress.advance()
     merger.finish()
     if not numbers:
-        wanted = ":".join("" if end is None else str(end) for end in (chosen.start, chosen.stop))
-        raise InputError(f"{path}: frames {wanted} must select at least one frame, got none of {_count(source)}")
+        raise InputError(f"{path}: frames {_told(chosen)} must select at least one frame, got none of {_count(source)}")
     times, duration = _exact_times(spans, source)
     timeline = Timeline(np.array(drawing_of_frame, np.intp), times, duration, np.array(numbers, np.intp))
     return Clip(_name(path), cast(tuple[Image, ...], tuple(merger.drawings)), timeline)
+
+
+def _told(chosen: slice) -> str:
+    """A choice of frames as the command line says it: A:B, both included and counted from 1."""
+    start, stop = chosen.start, chosen.stop
+    first = "" if start is None else str(start + (start >= 0))
+    last = "" if stop is None else str(stop - (stop < 0))
+    return f"{first}:{last}"
 
 
 def open_source(path: Path, settings: DecodeSettings, progress: Progress) -> FrameSource:

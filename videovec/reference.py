@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +14,27 @@ from svgelements import Path as SvgPath
 from videovec.errors import InputError
 from videovec.strokes import Strokes
 
-__all__ = ["read_reference"]
+__all__ = ["DrawnStrokes", "read_drawn", "read_reference"]
 
 Floats = NDArray[np.float64]
 
 _INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 _THIRDS = (np.arange(4) / 3)[:, None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrawnStrokes:
+    """The stroked paths of an SVG.
+
+    Args:
+        strokes: Strokes of drawing 0, with identities of their own where the file has none, or has one twice.
+        ids: What the file says: the identity of each stroke, 0 where it says none or another has it. int [S]
+        document: Height and width of the document. px
+    """
+
+    strokes: Strokes
+    ids: NDArray[np.intp]
+    document: tuple[float, float]
 
 
 def read_reference(path: str | Path, size: tuple[int, int]) -> Strokes:
@@ -38,6 +53,11 @@ def read_reference(path: str | Path, size: tuple[int, int]) -> Strokes:
     Raises:
         InputError: It is not an SVG, or nothing in it is stroked.
     """
+    return read_drawn(path, size).strokes
+
+
+def read_drawn(path: str | Path, size: tuple[int, int]) -> DrawnStrokes:
+    """Read the stroked paths of an SVG, and which identities it gives them; see `read_reference`."""
     path = Path(path)
     try:
         document = SVG.parse(str(path), reify=True)
@@ -53,7 +73,9 @@ def read_reference(path: str | Path, size: tuple[int, int]) -> Strokes:
         raise InputError(f"{path}: must hold stroked paths, got none")
     curves, half_widths, colors, closed, ids = zip(*found, strict=True)
     strokes = Strokes.from_curves(list(curves), list(half_widths), is_closed=closed, color=np.array(colors))
-    return _with_ids(strokes, list(ids))
+    named = [0 if identity in ids[:place] else identity for place, identity in enumerate(ids)]
+    document_size = (float(document.height), float(document.width))
+    return DrawnStrokes(_with_ids(strokes, list(ids)), np.array(named, dtype=np.intp), document_size)
 
 
 def _is_drawn(element: object) -> bool:

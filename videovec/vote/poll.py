@@ -76,7 +76,7 @@ def _common_life(strokes: Strokes, seed: int) -> NDArray[np.intp]:
     if not len(alive):
         return alive
     _, which, counts = np.unique(lives, axis=0, return_inverse=True, return_counts=True)
-    return alive[which.reshape(-1) == int(counts.argmax())]
+    return np.asarray(alive[which.reshape(-1) == int(counts.argmax())])
 
 
 def _voters(strokes: Strokes, common: NDArray[np.intp]) -> list[int]:
