@@ -66,7 +66,7 @@ class Nursery:
             is_last: Whether no drawing follows.
 
         Returns:
-            New lives, with rows from when their ink appeared up to this drawing.
+            New lives, with rows from when their ink appeared up to this drawing, or to the one before if it is gone.
         """
         before = self._residuals.get(drawing - self._direction)
         heirs = {id(seed): successor(seed.patch, before, residual) if before else [] for seed in self._seeds}
@@ -86,10 +86,29 @@ class Nursery:
                 seeds.append(_Seed(patch, since))
         for seed in self._seeds:
             if not heirs[id(seed)] and seed.patch.length + 2 * seed.patch.half_width >= _FLASH * _LEAST:
-                self._deliver([seed.patch], drawing - self._direction, seed.since, [])
+                fast, taken = self._pursue(seed, drawing)
+                born += fast
+                seeds = [other for other in seeds if other.patch.number not in taken]
         self._seeds = seeds
         self._forget(drawing)
         return born
+
+    def _pursue(self, seed: _Seed, drawing: int) -> tuple[list[Life], set[int]]:
+        """Strokes of a patch that is not where it was, and the patches of this drawing that they explain."""
+        before = drawing - self._direction
+        lives = self._deliver([seed.patch], before, seed.since, [])
+        ahead = [follow(life, before, self._spacing(before)) for life in lives]
+        seen = self._step(ahead, before, drawing)
+        label, scale = self._residuals[drawing].label, self._residuals[drawing].target.scale
+        taken: set[int] = set()
+        for follower in seen:
+            column, row = (scale * sample_by_arc(follower.life.rows[drawing].points, 64)).astype(np.intp).T
+            inside = (row >= 0) & (column >= 0) & (row < label.shape[0]) & (column < label.shape[1])
+            taken |= set(np.unique(label[row[inside], column[inside]]).tolist()) - {0}
+        return [follower.life for follower in seen], taken
+
+    def _spacing(self, drawing: int) -> float:
+        return self._settings.node_spacing / self._residuals[drawing].target.scale
 
     def _forget(self, drawing: int) -> None:
         oldest = min((seed.since * self._direction for seed in self._seeds), default=drawing * self._direction)
@@ -101,12 +120,11 @@ class Nursery:
         traced = [life for life in open_lives(self._trace(own, 0)) if self._is_new(life, drawing)]
         lives = [replace(life, rows={drawing: life.rows[0]}) for life in traced]
         lives = relink(lives, drawing, followers)
-        scale = self._residuals[drawing].target.scale
-        back = [follow(life, drawing, self._settings.node_spacing / scale) for life in lives]
+        back = [follow(life, drawing, self._spacing(drawing)) for life in lives]
         for earlier in range(drawing - self._direction, since - self._direction, -self._direction):
             if not back or earlier not in self._residuals:
                 break
-            back = self._step_back(back, earlier)
+            back = self._step(back, earlier + self._direction, earlier, grows=True)
         return lives
 
     def _is_new(self, life: Life, drawing: int) -> bool:
@@ -122,19 +140,18 @@ class Nursery:
         gap = sample(distance_to(left)[0], sample_by_arc(points, count))
         return bool(np.mean(gap <= reach) >= 0.5)
 
-    def _step_back(self, back: list[Follower], earlier: int) -> list[Follower]:
-        """Take newborn lives one drawing back; those that are still seen."""
-        later = earlier + self._direction
-        targets = [restricted(self._residuals[d].target, self._residuals[d].point) for d in (later, earlier)]
-        coverage = self._ink_of(earlier, [patch.number for patch in self._residuals[earlier].patches]).coverage[0]
-        carry(back, coverage, (later, earlier), (targets[0], targets[1]), self._settings, grows=True)
+    def _step(self, followers: list[Follower], before: int, after: int, grows: bool = False) -> list[Follower]:
+        """Take newborn lives to a neighbouring drawing, over unexplained ink alone; those that are seen there."""
+        targets = [restricted(self._residuals[d].target, self._residuals[d].point) for d in (before, after)]
+        coverage = self._ink_of(after, [patch.number for patch in self._residuals[after].patches]).coverage[0]
+        carry(followers, coverage, (before, after), (targets[0], targets[1]), self._settings, grows=grows)
         seen = []
-        for follower in back:
-            visible = follower.life.rows[earlier].visible
+        for follower in followers:
+            visible = follower.life.rows[after].visible
             if visible[1] > visible[0]:
                 seen.append(follower)
             else:
-                del follower.life.rows[earlier]
+                del follower.life.rows[after]
         return seen
 
     def _ink_of(self, drawing: int, numbers: list[int]) -> Ink:

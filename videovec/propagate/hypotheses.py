@@ -40,8 +40,10 @@ _TOUCH = 6.0
 """Strokes that come this near are one part. px"""
 _FEWEST = 6
 """Nodes of the smallest group that is searched for."""
-_GAIN = 0.97
-"""A search must bring the cost below this share of what it was."""
+_STRAYED = 1.6
+"""Mean feature distance from which on a part may lie on the ink of another, or wrong way round. px"""
+_GAIN = 0.03
+"""Share of the cost that a search must save; of less than a quarter of all nodes less is asked, in proportion."""
 _ROUNDS = 8
 
 
@@ -126,7 +128,7 @@ def _search_parts(source: Source, target: Target, positions: Floats, verdict: Ve
             start = np.where(members[:, None], motion.apply(source.rest), positions)
             moved = register(apart, target, start, (COARSE, FINE))
             new = judge(apart, target, moved)
-            if new.cost < _GAIN * verdict.cost:
+            if new.cost < (1.0 - _GAIN * min(1.0, 4.0 * float(members.mean()))) * verdict.cost:
                 positions, verdict, part = moved, new, label
         source = _loosened(source, part)
     return source, positions
@@ -144,10 +146,12 @@ def _is_settled(source: Source, verdict: Verdict) -> bool:
 
 
 def _bad(source: Source, verdict: Verdict) -> NDArray[np.bool_]:
-    """Strokes that lie off the ink with much of their length. bool [S]"""
+    """Strokes that lie off the ink with much of their length, and those of parts that fit badly. bool [S]"""
     stroke, count = source.nodes.stroke, len(source.nodes.bases)
-    size = np.bincount(stroke, source.weight > 0, minlength=count)
-    return np.asarray(np.bincount(stroke, verdict.node_far, minlength=count) > _BAD * np.maximum(size, 1))
+    size = np.maximum(np.bincount(stroke, source.weight > 0, minlength=count), 1)
+    part = _parts(source)[stroke]
+    strayed = np.bincount(part, verdict.node_cost) > _STRAYED * np.maximum(np.bincount(part, source.weight > 0), 1)
+    return np.asarray((np.bincount(stroke, verdict.node_far, minlength=count) > _BAD * size) | strayed[_parts(source)])
 
 
 def _next_group(source: Source, verdict: Verdict, tried: set[tuple[int, ...]]) -> Ints | None:

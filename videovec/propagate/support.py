@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.propagate.ends import find_ends
 from videovec.propagate.kernels import nearest
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.registration import doubled
@@ -27,10 +28,6 @@ _REACH = 2
 """Nodes on either side of the one that ink has chosen that it claims too."""
 _RUN = 3
 """Nodes of the shortest run that is seen."""
-_SLACK = 2
-"""Nodes at an end that may go without support, since the ends of skeletons are unsure."""
-_HULL = 0.6
-"""Share of supported nodes above which gaps are bridged."""
 _WHOLE = 0.8
 """Share of a closed stroke that must lie on ink for it to be seen whole."""
 _SEEN = 0.2
@@ -65,6 +62,11 @@ class Support:
         inside = (local >= self.first[nodes.stroke]) & (local <= self.last[nodes.stroke])
         return inside.astype(np.float64)
 
+    def explains(self, nodes: Nodes) -> Floats:
+        """1 for nodes of seen strokes in their seen part, or on ink beyond a gap that hides their middle. [N]"""
+        beyond = self.node & (self.node[nodes.before] & self.node[nodes.after]) & self.seen()[nodes.stroke]
+        return np.maximum(self.follows(nodes), beyond)
+
 
 def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Target) -> Support:
     """Look for the ink of every stroke.
@@ -88,7 +90,7 @@ def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Ta
         claimed = _claimed(nodes, positions, reach, target)
     count = len(nodes.bases)
     first, last = np.zeros(count, np.intp), np.full(count, -1, np.intp)
-    visible, share = np.zeros((count, 2)), np.zeros(count)
+    share = np.zeros(count)
     for s, basis in enumerate(nodes.bases):
         part = supported[nodes.starts[s] : nodes.starts[s + 1]]
         own = claimed[nodes.starts[s] : nodes.starts[s + 1]]
@@ -96,8 +98,10 @@ def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Ta
         first[s], last[s] = _interval(part, basis.is_closed)
         if own[first[s] : last[s] + 1].sum() < _OWN * (last[s] + 1 - first[s]):
             first[s], last[s] = 0, -1
-        if last[s] >= first[s]:
-            visible[s] = basis.u[first[s]], 1.0 if last[s] == len(part) - 1 else basis.u[last[s]]
+    visible = find_ends(nodes, positions, half_width, (first, last), target)
+    seen = last >= first
+    first = np.where(seen & (visible[:, 0] <= 0), 0, first)
+    last = np.where(seen & (visible[:, 1] >= 1), np.diff(nodes.starts) - 1, last)
     return Support(supported, first, last, visible, share)
 
 
@@ -115,21 +119,28 @@ def _claimed(nodes: Nodes, positions: Floats, reach: Floats, target: Target) -> 
 
 
 def _interval(supported: Bools, is_closed: bool) -> tuple[int, int]:
-    """First and last seen node of a stroke; of a closed one, what is seen does not go through its beginning."""
+    """First and last seen node of a stroke: the interval that is wrong at the fewest nodes.
+
+    Of a closed stroke, what is seen does not go through its beginning.
+    """
     count = len(supported)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], supported.astype(np.int8), [0]])))
     begins, ends = edges[::2], edges[1::2]
-    shortest = min(_RUN, count)
-    long = ends - begins >= shortest
+    long = ends - begins >= min(_RUN, count)
     begins, ends = begins[long], ends[long]
     if not len(begins) or supported.mean() < _SEEN:
         return 0, -1
     if is_closed and supported.mean() >= _WHOLE:
         return 0, count - 1
-    first, last = int(begins[0]), int(ends[-1]) - 1
-    if supported[first : last + 1].mean() < _HULL:
-        longest = int(np.argmax(ends - begins))
-        first, last = int(begins[longest]), int(ends[longest]) - 1
-    first = 0 if first <= _SLACK else first
-    last = count - 1 if last >= count - 1 - _SLACK else last
+    best, first, last = 0, 0, -1
+    begin, total = int(begins[0]), 0
+    for k in range(len(begins)):
+        gap = int(begins[k] - ends[k - 1]) if k else 0
+        if total < gap:
+            begin, total = int(begins[k]), 0
+        else:
+            total -= gap
+        total += int(ends[k] - begins[k])
+        if total > best:
+            best, first, last = total, begin, int(ends[k]) - 1
     return first, last

@@ -119,7 +119,7 @@ class _Walk:
         return follow(life, drawing, self._settings.node_spacing / scale)
 
     def _left(self, placed: Placement, target: Target) -> Residual:
-        seen = placed.support.follows(placed.nodes)
+        seen = placed.support.explains(placed.nodes)
         return find_residual(placed.nodes, placed.positions, seen, placed.half_width, target)
 
     def _retire(self, drawing: int) -> None:

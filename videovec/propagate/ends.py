@@ -1,0 +1,119 @@
+"""Where exactly what is seen of a stroke begins and ends: a walk along it, on its ink."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.propagate.judge import between_nodes
+from videovec.propagate.nodes import Nodes
+from videovec.propagate.target import Image, Target, sample
+
+__all__ = ["find_ends"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+_STEP = 0.5
+"""Distance of the places that are looked at. working px"""
+_INSIDE = 4
+"""Nodes inside the seen part from which the walk begins."""
+_OUTSIDE = 3
+"""Nodes beyond the seen part that it may reach."""
+_WIDENED = 1.0
+"""By how much ink is widened, for strokes that lie beside its middle. working px"""
+_SURE = 2.0
+"""An end that the walk reaches but for this is reached. working px"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Scene:
+    """What walks go over.
+
+    Args:
+        ink: Coverage, widened. float32 [H, W]
+        threshold: From which on it is ink.
+        points: Points on seen strokes. [K, 2] working px
+        stroke: The stroke of each. int [K]
+        half_width: Of each stroke. [S] working px
+    """
+
+    ink: Image
+    threshold: float
+    points: Floats
+    stroke: Ints
+    half_width: Floats
+
+    def crossing(self, stroke: int, places: Floats) -> int | None:
+        """The place that is nearest to the middle of another stroke, if any lies on one."""
+        low, high = places.min(axis=0) - 8.0, places.max(axis=0) + 8.0
+        near = (self.stroke != stroke) & ((self.points >= low) & (self.points <= high)).all(axis=1)
+        if not near.any():
+            return None
+        gap = np.linalg.norm(places[:, None] - self.points[near], axis=2)
+        place, other = np.unravel_index(int(gap.argmin()), gap.shape)
+        return int(place) if gap[place, other] <= self.half_width[self.stroke[near][other]] + _WIDENED else None
+
+
+def find_ends(
+    nodes: Nodes, positions: Floats, half_width: Floats, seen: tuple[Ints, Ints], target: Target
+) -> NDArray[np.float64]:
+    """Find the seen part of every stroke to a fraction of a node.
+
+    Ink ends where a hidden stroke goes under the line of what hides it; the middle of that line is the end.
+
+    Args:
+        nodes: N nodes.
+        positions: Where they are. [N, 2] working px
+        half_width: Half-width of each stroke. [S] working px
+        seen: First and last seen node of each stroke, counted within it; none where the last is before the first.
+        target: The drawing's ink.
+
+    Returns:
+        The seen part as arc fractions; equal ends are none. [S, 2]
+    """
+    visible = np.zeros((len(nodes.bases), 2))
+    if not len(nodes):
+        return visible
+    dense, owner = between_nodes(nodes, positions)
+    local = owner - nodes.starts[nodes.stroke[owner]]
+    shown = (local >= seen[0][nodes.stroke[owner]]) & (local <= seen[1][nodes.stroke[owner]])
+    ink = np.asarray(cv2.dilate(target.ink, np.ones((3, 3), np.uint8)), np.float32)
+    scene = _Scene(ink, target.threshold, dense[shown], nodes.stroke[owner[shown]], half_width)
+    for s, basis in enumerate(nodes.bases):
+        first, last = int(seen[0][s]), int(seen[1][s])
+        if last < first:
+            continue
+        if basis.is_closed and last - first == len(basis.u) - 1:
+            visible[s] = 0.0, 1.0
+            continue
+        own = positions[nodes.starts[s] : nodes.starts[s + 1]]
+        count = len(own)
+        end = _walk_out(scene, s, (own, basis.u), (first, last))
+        begin = 1.0 - _walk_out(scene, s, (own[::-1], 1.0 - basis.u[::-1]), (count - 1 - last, count - 1 - first))
+        visible[s] = begin, max(begin, end)
+    return visible
+
+
+def _walk_out(scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tuple[int, int]) -> float:
+    """Arc fraction at which the seen part ends, counted towards the end of a path of nodes and their fractions."""
+    points, u = path
+    start, stop = max(seen[0], seen[1] - _INSIDE), min(len(points) - 1, seen[1] + _OUTSIDE)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points[start : stop + 1], axis=0), axis=1))])
+    if along[-1] < _STEP:
+        return float(u[stop])
+    at = np.append(np.arange(0.0, along[-1], _STEP), along[-1])
+    places = np.stack([np.interp(at, along, points[start : stop + 1, k]) for k in (0, 1)], axis=1)
+    bare = np.flatnonzero(sample(scene.ink, places) <= scene.threshold)
+    if not len(bare):
+        return 1.0 if stop == len(points) - 1 else float(u[stop])
+    half_width = float(scene.half_width[stroke])
+    last = np.flatnonzero(at[: bare[0] + 1] >= at[bare[0]] - 4.0 * half_width - 2.0 * _WIDENED)
+    crossing = scene.crossing(stroke, places[last])
+    reach = max(0.0, at[bare[0]] - _WIDENED - 0.5 * half_width) if crossing is None else at[last[crossing]]
+    if stop == len(points) - 1 and along[-1] - reach <= _SURE:
+        return 1.0
+    return float(np.interp(reach, along, u[start : stop + 1]))
