@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from videovec.drawing_terms import drawing_terms
-from videovec.edits import edit
+from videovec.edits import edit, finish
 from videovec.evidence import Evidence, gather_evidence
 from videovec.ink import Ink
 from videovec.optimise import Schedule, Term, optimise
@@ -91,7 +91,7 @@ def _fit_drawing(ink: Ink, strokes: Strokes, settings: FitSettings, backend: Bac
         part = replace(schedule, begin=begin, end=min(begin + every, settings.steps))
         terms = drawing_terms(strokes, ink.coverage, settings, backend.device)
         strokes = optimise(strokes, ink.coverage, part, terms, backend, progress).strokes
-    return strokes
+    return finish(strokes, ink, settings.edits) if settings.edits.every else strokes
 
 
 def judge(ink: Ink, strokes: Strokes, backend: Backend) -> FitResult:

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from videovec.edits.apply import edit
+from videovec.edits.apply import edit, finish
 
-__all__ = ["edit"]
+__all__ = ["edit", "finish"]

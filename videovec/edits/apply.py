@@ -8,6 +8,7 @@ import numpy as np
 
 from videovec.edits.divide import divide
 from videovec.edits.drop import drop
+from videovec.edits.ends import move_ends
 from videovec.edits.joints import remove_joints
 from videovec.edits.layers import Page, layers_of
 from videovec.edits.merge import merge
@@ -16,7 +17,7 @@ from videovec.ink import Ink
 from videovec.settings import EditSettings
 from videovec.strokes import Strokes
 
-__all__ = ["edit"]
+__all__ = ["edit", "finish"]
 
 _CHANCE = 8.0  # variances of the noise: what a control point gains by following it is 2, and noise is not white
 
@@ -36,14 +37,31 @@ def edit(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
         The edited strokes; those that stay keep their identities, new ones get new ones.
     """
     next_id = int(max(strokes.ids, default=0)) + 1  # one that was dropped keeps its identity to itself
-    price = settings.price * _strength(strokes) ** 2 + _CHANCE * ink.noise**2
-    settings = replace(settings, price=price)
+    settings = _priced(strokes, ink, settings)
     page = Page(ink.coverage[0], layers_of(strokes, ink.size))
     strokes = drop(strokes, page, settings)
+    strokes = move_ends(strokes, page, settings)
     strokes = add_strokes(strokes, page, ink, settings, next_id)
     strokes = merge(strokes, page, settings)
     strokes = remove_joints(strokes, page, settings)
     return divide(strokes, page, settings)
+
+
+def finish(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
+    """Move the ends of fitted strokes to where their ink ends; nothing else changes.
+
+    Args:
+        strokes: Strokes of drawing 0.
+        ink: The ink of that drawing alone.
+        settings: The price of a control point.
+    """
+    page = Page(ink.coverage[0], layers_of(strokes, ink.size))
+    return move_ends(strokes, page, _priced(strokes, ink, settings))
+
+
+def _priced(strokes: Strokes, ink: Ink, settings: EditSettings) -> EditSettings:
+    """The settings with the price that a drawing's lines and noise make."""
+    return replace(settings, price=settings.price * _strength(strokes) ** 2 + _CHANCE * ink.noise**2)
 
 
 def _strength(strokes: Strokes) -> float:

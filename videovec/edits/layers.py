@@ -103,6 +103,11 @@ class Page:
         """Seen less drawn coverage. [H, W]"""
         return self.seen.reshape(self.size) - self.drawn
 
+    def residual_in(self, rows: slice, columns: slice) -> Floats:
+        """Seen less drawn coverage in a part of the page."""
+        seen, clear = (values.reshape(self.size)[rows, columns] for values in (self.seen, self.clear))
+        return np.asarray(seen - 1.0 + clear)
+
     def add(self, layer: Layer) -> None:
         """Draw a layer."""
         self.clear[layer.pixels] *= 1.0 - layer.coverage
