@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from videovec.edits import edit
+from videovec.edits import edit, finish
 from videovec.fit import draw_coverage, fit
 from videovec.ink import Ink
 from videovec.render import resolve_backend
@@ -228,3 +228,22 @@ def test_a_fit_edits_on_its_way() -> None:
     plain = fit(ink, start, FitSettings(steps=120, edits=EditSettings(every=0)))
     assert edited.psnr[0] > 40 > plain.psnr[0]
     assert edited.strokes.ids.tolist() == [1, 3]
+
+
+@pytest.mark.parametrize("half_width", [0.2, 1.5])
+@pytest.mark.parametrize("length", [-3.0, 2.0])
+def test_ends_are_moved_to_where_their_ink_ends(half_width: float, length: float) -> None:
+    ink = _ink(_strokes(LINE, BOW, half_width=half_width))
+    way = (LINE[3] - LINE[0]) / np.linalg.norm(LINE[3] - LINE[0])
+    start = _strokes(np.linspace(LINE[0], LINE[3] + length * way, 4), BOW, half_width=half_width)
+    moved = finish(start, ink, EditSettings())
+    assert moved.points_of(0)[-1] == pytest.approx(LINE[3], abs=0.3)
+    assert moved.points_of(0)[0] == pytest.approx(LINE[0], abs=0.2)
+    assert moved.points_of(1) == pytest.approx(BOW, abs=0.2)
+
+
+def test_an_end_on_the_ink_of_another_stroke_stays_there() -> None:
+    stem = np.linspace([40.0, 90.0], 0.5 * (LINE[1] + LINE[2]), 4)
+    strokes = _strokes(LINE, stem)
+    moved = finish(strokes, _ink(strokes), EditSettings())
+    assert moved.points == pytest.approx(strokes.points, abs=0.01)

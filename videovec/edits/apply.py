@@ -40,9 +40,9 @@ def edit(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
     settings = _priced(strokes, ink, settings)
     page = Page(ink.coverage[0], layers_of(strokes, ink.size))
     strokes = drop(strokes, page, settings)
+    strokes = merge(strokes, page, settings)
     strokes = move_ends(strokes, page, settings)
     strokes = add_strokes(strokes, page, ink, settings, next_id)
-    strokes = merge(strokes, page, settings)
     strokes = remove_joints(strokes, page, settings)
     return divide(strokes, page, settings)
 
@@ -60,8 +60,10 @@ def finish(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
 
 
 def _priced(strokes: Strokes, ink: Ink, settings: EditSettings) -> EditSettings:
-    """The settings with the price that a drawing's lines and noise make."""
-    return replace(settings, price=settings.price * _strength(strokes) ** 2 + _CHANCE * ink.noise**2)
+    """The settings with the price and the threshold of uncovered ink that a drawing's lines and noise make."""
+    strength = _strength(strokes)
+    price = settings.price * strength**2 + _CHANCE * ink.noise**2
+    return replace(settings, price=price, delta_max=settings.delta_max * strength)
 
 
 def _strength(strokes: Strokes) -> float:

@@ -23,6 +23,7 @@ _STEP = 0.5  # px across, between places where the residual is read
 _BEYOND = 1.5  # px beyond the edge up to which it is read
 _FARTHEST = 1.0  # px; the residual cannot tell larger displacements
 _POINTS = 3  # control points that a split adds
+_MISREAD = 0.05  # relative error of a displacement that the residual tells
 _SHARE = 0.5  # of what a second segment could explain that it is expected to
 
 
@@ -76,7 +77,8 @@ def _gains(segments: Floats, half_width: Floats, residual: Floats, opacity: floa
     two, _ = _unexplained(displaced[:, _SAMPLES // 2 :], weight[:, _SAMPLES // 2 :], t[_SAMPLES // 2 :])
     energy = np.cumsum(weight * left**2, axis=1)
     middle = t[np.argmax(energy >= 0.5 * energy[:, -1:], axis=1)]
-    return whole - one - two, np.clip(middle, 0.3, 0.7)
+    misread = _MISREAD**2 * (weight * displaced**2).sum(axis=1)
+    return whole - one - two - misread, np.clip(middle, 0.3, 0.7)
 
 
 def _unexplained(displaced: Floats, weight: Floats, t: Floats) -> tuple[Floats, Floats]:

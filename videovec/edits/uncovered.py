@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 
 _SPREAD = 0.5  # of a typical line's width: what the residual is averaged over, so that edges do not count
 _LEFT = 0.3  # of the ridge's strength that such an average has where a line is missing
+_STROKE = 10  # control points that a stroke more must be worth beside its own
 _NOISE = 5.0  # standard deviations of page noise that a patch must weigh
 
 
@@ -48,7 +49,7 @@ def add_strokes(strokes: Strokes, page: Page, ink: Ink, settings: EditSettings, 
     shapes = shapes_of(strokes)
     above = int(max(strokes.layer, default=-1)) + 1
     for shape, layer in zip(shapes_of(found), layers_of(found, page.size), strict=True):
-        if -page.rise([], [layer]) > settings.price * len(shape.points):
+        if -page.rise([], [layer]) > settings.price * (len(shape.points) + _STROKE):
             page.add(layer)
             shapes.append(replace(shape, id=next_id, layer=above))
             next_id, above = next_id + 1, above + 1
