@@ -8,29 +8,31 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from videovec.bench import TRACERS, bench_stills, read_stills, scores_to_csv, scores_to_table, sheet
 from videovec.bench.peers import installed
 from videovec.bench.stills import Result
+from videovec.cli import app
 from videovec.errors import InputError
 from videovec.settings import Config
 
 SIZE = 96
+ENDS = [((0.1, 0.2), (0.9, 0.8)), ((0.15, 0.85), (0.8, 0.1))]
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """One drawing of two straight strokes, 3 px wide, drawn by OpenCV at sixteen times the size."""
-    ends = [((0.1, 0.2), (0.9, 0.8)), ((0.15, 0.85), (0.8, 0.1))]
     large = np.full((SIZE * 16, SIZE * 16), 255, np.uint8)
-    for start, stop in ends:
+    for start, stop in ENDS:
         one, two = (tuple(int(v * SIZE * 16) for v in point) for point in (start, stop))
         cv2.line(large, one, two, 0, 48, cv2.LINE_AA)
     drawing = tmp_path / "cross"
     drawing.mkdir()
     image = cv2.resize(large, (SIZE, SIZE), interpolation=cv2.INTER_AREA)
     cv2.imwrite(str(drawing / f"w3_{SIZE}.png"), image)
-    strokes = [[np.linspace(start, stop, 4).tolist()] for start, stop in ends]
+    strokes = [[np.linspace(start, stop, 4).tolist()] for start, stop in ENDS]
     (drawing / "truth.json").write_text(json.dumps({"strokes": strokes}), encoding="utf-8")
     return tmp_path
 
@@ -71,3 +73,30 @@ def test_a_folder_without_drawings_is_an_error(tmp_path: Path) -> None:
 def test_an_unknown_method_is_an_error(folder: Path) -> None:
     with pytest.raises(InputError, match="got 'magic'"):
         bench_stills(read_stills(folder), Config(), ("magic",))
+
+
+def test_a_drawing_without_an_image_is_drawn_from_its_truth(folder: Path) -> None:
+    (seen,) = read_stills(folder, ("w3",), (SIZE,))
+    image = seen.clip().drawings[0]
+    assert seen.path is not None
+    assert image.shape == (SIZE, SIZE, 3)
+    (drawn,) = read_stills(folder, ("w3",), (128,))
+    assert drawn.path is None
+    grey = 1.0 - drawn.clip().drawings[0][..., 0] / 255.0
+    length = sum(128 * float(np.hypot(b[0] - a[0], b[1] - a[1])) for a, b in ENDS)
+    width = 3.0 * 128 / 512
+    caps = 2 * np.pi * width**2 / 4  # two round ends of each of two strokes
+    crossing = width**2  # drawn once; the two lines meet at nearly a right angle
+    # a slope of 3 in 4 meets the lattice of sample points at steps of a fiftieth of the width
+    assert grey.sum() == pytest.approx(length * width + caps - crossing, rel=0.02)
+    assert drawn.truth.half_width == pytest.approx(width / 2)
+
+
+def test_pictures_and_drawn_sizes_come_from_the_command_line(folder: Path, tmp_path: Path) -> None:
+    pictures = tmp_path / "pictures"
+    told = ["bench", "stills", str(folder), "--set-name", "hairline", "--size", "64", "--pictures", str(pictures), "-q"]
+    result = CliRunner().invoke(app, [*told, "-s", "fit.steps=5"])
+    assert result.exit_code == 0, result.output
+    image = cv2.imread(str(pictures / "cross_hairline_64_ours.png"))
+    assert image is not None
+    assert image.shape == (128, 384, 3)

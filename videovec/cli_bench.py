@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from videovec.console import progress_on
 from videovec.options import Preset, Quiet, Settings
+
+if TYPE_CHECKING:
+    from videovec.bench import Result
 
 __all__ = ["bench"]
 
@@ -17,6 +20,10 @@ bench = typer.Typer(no_args_is_help=True, help="Measure on drawings whose true s
 Stills = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of NAME/truth.json and NAME/SET_SIZE.png.")]
 Clips = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of clips and their truth, such as samples.")]
 Table = Annotated[Path | None, typer.Option("-o", "--out", help="Also write every score to this CSV.")]
+
+Pictures = Annotated[
+    Path | None, typer.Option("--pictures", help="Folder for pictures: input, strokes by colour, error.")
+]
 
 
 @bench.callback()
@@ -31,18 +38,24 @@ def stills(
     sizes: Annotated[list[int] | None, typer.Option("--size", help="Only this long edge; may be repeated.")] = None,
     methods: Annotated[list[str] | None, typer.Option("--method", help="ours, autotrace ...; may be repeated.")] = None,
     out: Table = None,
+    pictures: Pictures = None,
     preset: Preset = None,
     settings: Settings = None,
     quiet: Quiet = False,
 ) -> None:
     """Compare what tracers make of drawings with their true strokes."""
-    from videovec.bench import bench_stills, read_stills, scores_to_csv, scores_to_table
+    from videovec.bench import bench_stills, picture_file, read_stills, scores_to_csv, scores_to_table
     from videovec.config import configure
     from videovec.files import write_file
 
-    found = read_stills(folder, sets or (), sizes or ())
+    def draw(result: Result) -> None:
+        if pictures is not None:
+            name, data = picture_file(result)
+            write_file(pictures / name, data)
+
+    found, config = read_stills(folder, sets or (), sizes or ()), configure(preset, settings or ())
     with progress_on(quiet=quiet) as progress:
-        scores = bench_stills(found, configure(preset, settings or ()), methods or ("ours",), progress=progress)
+        scores = bench_stills(found, config, methods or ("ours",), draw, progress)
     typer.echo(scores_to_table(scores))
     if out:
         write_file(out, scores_to_csv(scores))

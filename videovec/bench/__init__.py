@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from videovec.bench.peers import TRACERS
-from videovec.bench.report import PROTOCOL, scores_to_csv, scores_to_table, sheet
+from videovec.bench.report import PROTOCOL, picture_file, scores_to_csv, scores_to_table, sheet
 from videovec.bench.stills import Result, Still, StillScore, bench_stills, read_stills
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "Still",
     "StillScore",
     "bench_stills",
+    "picture_file",
     "read_stills",
     "scores_to_csv",
     "scores_to_table",

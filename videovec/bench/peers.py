@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.bench.fitted import fit_with_diffvg, fit_with_splats
 from videovec.curves import evaluate, segments_of
 from videovec.fit import fit
 from videovec.initialise import initialise
@@ -123,6 +124,14 @@ def _autotrace_fitted(ink: Ink, config: Config) -> Tracing:
     return Tracing(fit(ink, _autotrace(ink, config).strokes, config.fit, config.render).strokes)
 
 
+def _splats(ink: Ink, config: Config) -> Tracing:
+    return Tracing(fit_with_splats(ink, config))
+
+
+def _diffvg(ink: Ink, config: Config) -> Tracing:
+    return Tracing(fit_with_diffvg(ink, config))
+
+
 def _skeleton(ink: Ink, config: Config) -> Tracing:
     morphology: Any = import_module("skimage.morphology")
     mask = _mask(ink, 1)
@@ -183,8 +192,11 @@ TRACERS = {
     "ours, not fitted": Tracer("", _initialised),
     "autotrace": Tracer("autotrace", _autotrace),
     "autotrace + our fit": Tracer("autotrace", _autotrace_fitted),
+    "ours, sampled Gaussians": Tracer("", _splats),
+    "ours, DiffVG": Tracer("pydiffvg", _diffvg),
     "skeleton": Tracer("skimage", _skeleton),
     "vtracer (outlines)": Tracer("vtracer", _vtracer),
     "potrace (outlines)": Tracer("potrace", _potrace),
 }
-"""Every tracer by the name that tables show. AutoTrace centre lines; scikit-image's skeleton, one stroke a branch."""
+"""Every tracer by the name that tables show. AutoTrace centre lines; our first strokes fitted with
+the supplement's sampled Gaussians, or with DiffVG; scikit-image's skeleton, one stroke a branch."""

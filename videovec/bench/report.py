@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from videovec.bench.stills import Result, StillScore
 from videovec.write.preview import draw_strokes
 
-__all__ = ["PROTOCOL", "SUPPLEMENT", "scores_to_csv", "scores_to_table", "sheet"]
+__all__ = ["PROTOCOL", "SUPPLEMENT", "picture_file", "scores_to_csv", "scores_to_table", "sheet"]
 
 Image = NDArray[np.uint8]
 
@@ -102,6 +102,14 @@ def scores_to_csv(scores: Sequence[StillScore]) -> str:
     writer.writeheader()
     writer.writerows(asdict(score) for score in scores)
     return text.getvalue()
+
+
+def picture_file(result: Result) -> tuple[str, bytes]:
+    """Name and content of the PNG that shows a tracing; see `sheet`."""
+    score = result.score
+    method = "".join(c if c.isalnum() else "-" for c in score.method)
+    data = cv2.imencode(".png", sheet(result)[..., ::-1])[1].tobytes()
+    return f"{score.name}_{score.set_name}_{score.size}_{method}.png", data
 
 
 def sheet(result: Result, zoom: int = 2) -> Image:
