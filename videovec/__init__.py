@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from videovec.clip import Clip, Timeline
     from videovec.config import configure
+    from videovec.correction import correct
     from videovec.decode import decode
     from videovec.errors import ConfigError, FitError, InputError, OutputError, UserError, VideovecError
     from videovec.events import Event, EventKind
@@ -46,6 +47,7 @@ __all__ = [
     "UserError",
     "VideovecError",
     "configure",
+    "correct",
     "decode",
     "export",
     "extract_ink",
@@ -74,6 +76,7 @@ _HOME = {
     "UserError": "errors",
     "VideovecError": "errors",
     "configure": "config",
+    "correct": "correction",
     "decode": "decode",
     "export": "export",
     "extract_ink": "ink",

@@ -20,6 +20,7 @@ from videovec.console import complain, progress_on
 from videovec.errors import UserError, VideovecError
 from videovec.options import (
     AsJson,
+    Correct,
     Device,
     DryRun,
     Exit,
@@ -114,6 +115,7 @@ def run(
     device: Device = None,
     seed: Seed = None,
     reference: Reference = None,
+    correct: Correct = None,
     init: Init = None,
     strokes: Strokes = None,
     svg_style: SvgStyle = None,
@@ -142,6 +144,7 @@ def run(
         frames=parse_frames(frames),
         resume=not fresh,
         force=force,
+        correct=tuple(correct or ()),
     )
     _carry_out(request, dry_run=dry_run, as_json=as_json, quiet=quiet, max_error=max_error)
 

@@ -23,7 +23,12 @@ from videovec.settings import FitSettings, RenderSettings, Weights
 from videovec.strokes import Strokes
 from videovec.temporal import Neighbours, acceleration, anchor, rigidity, width_change
 
-__all__ = ["FitResult", "draw_coverage", "fit", "judge"]
+__all__ = ["FitResult", "Pin", "draw_coverage", "fit", "judge"]
+
+Pin = tuple[int, int]
+"""The identity of a stroke, and a drawing."""
+
+_PIN = 100.0  # weight of the squared distance of a pinned control point from its place
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,6 +52,7 @@ def fit(
     settings: FitSettings,
     render: RenderSettings | None = None,
     progress: Progress | None = None,
+    pins: frozenset[Pin] = frozenset(),
 ) -> FitResult:
     """Optimise strokes over all the drawings of their lives.
 
@@ -59,12 +65,14 @@ def fit(
         settings: Steps, weights and windows.
         render: Which renderer.
         progress: Told of every step.
+        pins: Strokes, by identity, and drawings on which they stay where they are.
 
     Returns:
         The fitted strokes, their evidence and the error of every drawing.
     """
     progress = progress or Silent()
     backend = resolve_backend(render or RenderSettings())
+    given = strokes
     windows = list(_windows(ink.drawing_count, settings))
     schedule = _schedule(settings, ink.drawing_count)
     progress.stage("fit", schedule.steps * len(windows))
@@ -74,11 +82,12 @@ def fit(
         around = max(0, first - settings.overlap), min(ink.drawing_count - 1, last + settings.overlap)
         part = strokes.within(*around).shifted(-around[0])
         target = ink.coverage[around[0] : around[1] + 1]
+        terms = _terms(part, settings.weights, backend.device)
         fitted = optimise(
-            part, target, schedule, _terms(part, settings.weights, backend.device), backend, progress
+            part, target, schedule, [*terms, *_pinned(part, around[0], pins, backend.device)], backend, progress
         ).strokes
         strokes = strokes.with_rows_of(fitted.shifted(around[0]).within(first, last))
-    return judge(ink, strokes, backend)
+    return judge(ink, _restored(strokes, given, pins), backend)
 
 
 def _fit_drawing(ink: Ink, strokes: Strokes, settings: FitSettings, backend: Backend, progress: Progress) -> Strokes:
@@ -162,6 +171,29 @@ def _terms(strokes: Strokes, weights: Weights, device: torch.device) -> list[Ter
             (weights.width_change, lambda p: width_change(p.log_half_width, neighbours)),
         ]
     return [_weighted(weight, term) for weight, term in terms if weight > 0]
+
+
+def _pinned_rows(strokes: Strokes, shift: int, pins: frozenset[Pin]) -> NDArray[np.intp]:
+    """Rows that are pinned, of strokes whose first drawing is number ``shift`` of the clip. int [K]"""
+    layout = strokes.layout
+    rows = zip(strokes.ids[layout.row_stroke].tolist(), (layout.row_drawing + shift).tolist(), strict=True)
+    return np.flatnonzero([row in pins for row in rows])
+
+
+def _pinned(strokes: Strokes, shift: int, pins: frozenset[Pin], device: torch.device) -> list[Term]:
+    """A term that holds the pinned rows; none without any."""
+    held = np.flatnonzero(np.isin(strokes.layout.point_row, _pinned_rows(strokes, shift, pins)))
+    if not len(held):
+        return []
+    start, where = torch.as_tensor(strokes.points[held], device=device), torch.as_tensor(held, device=device)
+    return [lambda p: _PIN * (p.points[where] - start.to(p.points)).square().sum()]
+
+
+def _restored(strokes: Strokes, given: Strokes, pins: frozenset[Pin]) -> Strokes:
+    """The strokes with the points that pinned rows had."""
+    rows = _pinned_rows(strokes, 0, pins)
+    is_held = np.isin(strokes.layout.point_row, rows)
+    return replace(strokes, points=np.where(is_held[:, None], given.points, strokes.points)) if len(rows) else strokes
 
 
 def _weighted(weight: float, term: Term) -> Term:

@@ -13,6 +13,7 @@ from videovec.errors import ConfigError
 
 __all__ = [
     "AsJson",
+    "Correct",
     "Device",
     "DryRun",
     "Exit",
@@ -73,6 +74,10 @@ MaxError = Annotated[
 SvgStyle = Annotated[str | None, typer.Option(help="auto, stroke, outline or powerstroke.")]
 Reference = Annotated[
     Path | None, typer.Option(help="An artist's SVG of the first frame, whose strokes are taken.", metavar="SVG")
+]
+Correct = Annotated[
+    list[Path] | None,
+    typer.Option(metavar="SVG", help="An edited frame of the finished run, put back; may be repeated."),
 ]
 Init = Annotated[str | None, typer.Option("--init", help="Where first strokes come from: trace or random.")]
 Strokes = Annotated[int | None, typer.Option("--strokes", help="Number of random first strokes.")]

@@ -13,9 +13,10 @@ import numpy as np
 
 from videovec.clip import Clip
 from videovec.config import suggestion, validate
+from videovec.correction import correct
 from videovec.decode import decode
 from videovec.doctor import library_versions
-from videovec.errors import ConfigError
+from videovec.errors import ConfigError, InputError
 from videovec.export import FORMATS, export
 from videovec.progress import Progress, Silent
 from videovec.quality import Quality, measure
@@ -42,6 +43,7 @@ class Request:
         resume: Use the strokes of an earlier run of this clip with these settings.
         force: Write even into a folder that holds files of others.
         formats: What to write.
+        correct: Edited SVG frames of the finished run, to be put back and fitted from there.
     """
 
     source: str | Path
@@ -51,6 +53,7 @@ class Request:
     resume: bool = True
     force: bool = False
     formats: tuple[str, ...] = FORMATS
+    correct: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +134,9 @@ def carry_out(request: Request, progress: Progress | None = None) -> Outcome:
     watch = Stopwatch(progress or Silent())
     plan = prepare(request, watch)
     folder = plan.folder
-    if plan.is_fitted:
+    if request.correct:
+        tracks, record = _corrected(plan, watch)
+    elif plan.is_fitted:
         watch.note("neither clip nor settings have changed: the strokes of the last run are used again")
         tracks, record = StrokeTracks.load(folder.path / TRACKS), replace(plan.record, status="fitted")
     else:
@@ -212,6 +217,21 @@ def _fit(plan: Plan, watch: Stopwatch) -> tuple[StrokeTracks, RunRecord]:
     tracks.save(folder.path / TRACKS)
     quality = measure(plan.clip, tracks, plan.request.config.render, watch)
     record = replace(record, status="fitted", seconds=watch.seconds(), **_figures(tracks, quality))
+    folder.write_record(record)
+    return tracks, record
+
+
+def _corrected(plan: Plan, watch: Stopwatch) -> tuple[StrokeTracks, RunRecord]:
+    """Put edited frames back into the strokes of the finished run, and save what comes of it."""
+    folder = plan.folder
+    if not plan.is_fitted:
+        raise InputError(f"{folder.path} must hold a finished run of this clip with these settings; run it first")
+    prepare_backend(resolve_backend(plan.request.config.render), watch)
+    before = StrokeTracks.load(folder.path / TRACKS)
+    tracks = correct(before, plan.clip, plan.request.correct, plan.request.config, watch)
+    tracks.save(folder.path / TRACKS)
+    quality = measure(plan.clip, tracks, plan.request.config.render, watch)
+    record = replace(plan.record, status="fitted", **_figures(tracks, quality))
     folder.write_record(record)
     return tracks, record
 
