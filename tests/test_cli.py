@@ -391,3 +391,17 @@ def test_help_is_fast() -> None:
     code = "import time; a = time.process_time(); import videovec.cli; print(time.process_time() - a)"
     runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True) for _ in range(3)]
     assert min(float(run.stdout) for run in runs) < 0.4
+
+
+def test_an_edited_frame_needs_a_finished_run_and_is_put_back_into_it(videovec: Command, gif: Path) -> None:
+    folder = gif.parent / "clip_videovec"
+    asked = ("run", gif, "-s", "pipeline=good", "-s", "fit.joint_steps=5", "--correct", folder / "svg/frame_0002.svg")
+    result = videovec(*asked)
+    assert result.exit_code == 2
+    assert "must hold a finished run" in result.stderr
+    assert videovec(*asked[:-2]).exit_code == 0
+    before = (folder / "tracks.npz").read_bytes()
+    result = videovec(*asked)
+    assert result.exit_code == 0, result.output
+    assert (folder / "tracks.npz").read_bytes() != before  # fitted on
+    assert videovec(*asked[:-2]).exit_code == 0
