@@ -30,6 +30,7 @@ PUBLIC = [
     "UserError",
     "VideovecError",
     "configure",
+    "correct",
     "decode",
     "export",
     "extract_ink",
