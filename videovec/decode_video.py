@@ -101,7 +101,9 @@ def _container(path: Path) -> Any:
         ) from error
     if container.format.name in NOT_VIDEO:
         container.close()
-        raise InputError(f"{path}: must be a video or an image, got a {container.format.long_name} file")
+        raise InputError(
+            f"{path}: must be a video or an image, got neither (FFmpeg takes it for: {container.format.long_name})"
+        )
     return container
 
 

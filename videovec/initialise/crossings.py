@@ -13,7 +13,7 @@ from videovec.initialise.junctions import Pairing
 from videovec.initialise.polyline import angle_between, arc, end_tangent
 from videovec.initialise.prune import Widths
 
-__all__ = ["bridge_gaps", "is_sliver"]
+__all__ = ["bridge_gaps", "is_sliver", "lies_amid"]
 
 Floats = NDArray[np.float64]
 Coverage = NDArray[np.float32]
@@ -79,7 +79,10 @@ def bridge_gaps(graph: Graph, widths: Widths, inked: Coverage) -> list[Pairing]:
 
 def is_sliver(line: CentreLine, width: float, others: Coverage) -> bool:
     """Whether a line is so short, for lines of a width, and so much amid other inks, that it is where they mix."""
-    if arc(line.line)[-1] > _SLIVER * width:
-        return False
+    return bool(arc(line.line)[-1] <= _SLIVER * width) and lies_amid(line.line, others)
+
+
+def lies_amid(points: Floats, others: Coverage) -> bool:
+    """Whether points [K, 2] px lie on, or right beside, other inks."""
     reach = cv2.dilate(others, np.ones((3, 3), np.uint8)).astype(np.float32)
-    return bool(_values(reach, line.line).mean() > _INKED)
+    return bool(_values(reach, points).mean() > _INKED)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from videovec.initialise.centreline import centre_line, chains, closed_line
-from videovec.initialise.crossings import bridge_gaps, is_sliver
+from videovec.initialise.crossings import bridge_gaps, is_sliver, lies_amid
 from videovec.initialise.cubics import fit_spline
 from videovec.initialise.graph import Graph, polyline_length, skeleton_graph
 from videovec.initialise.junctions import Pairing, pair_branches
@@ -106,8 +106,11 @@ def _junctions(graph: Graph, pairings: list[Pairing]) -> list[Junction]:
     return result
 
 
-def _dots(graph: Graph, coverage: Coverage) -> tuple[list[Floats], list[Floats]]:
-    """Strokes of no length for isolated round spots: control points and half-widths of each."""
+def _dots(graph: Graph, coverage: Coverage, others: Coverage) -> tuple[list[Floats], list[Floats]]:
+    """Strokes of no length for isolated round spots: control points and half-widths of each.
+
+    A spot beside other inks is where they mix.
+    """
     curves, half_widths = [], []
     for x, y, radius in graph.dots:
         reach = int(np.ceil(radius + 2.0))
@@ -116,7 +119,7 @@ def _dots(graph: Graph, coverage: Coverage) -> tuple[list[Floats], list[Floats]]
         row, column = np.mgrid[top : top + patch.shape[0], left : left + patch.shape[1]] + 0.5
         weight = np.where(np.hypot(column - x, row - y) <= radius + 1.5, patch, 0.0)
         mass = float(weight.sum())
-        if mass <= 0.0:
+        if mass <= 0.0 or lies_amid(np.array([[x, y]]), others):
             continue
         center = np.array([(weight * column).sum(), (weight * row).sum()]) / mass
         curves.append(np.tile(center, (4, 1)))
@@ -156,7 +159,7 @@ def _trace_coverage(coverage: Coverage, others: Coverage, noise: float, settings
         points = fit_spline(line.line, line.corners, settings.tolerance, line.is_closed)
         curves.append(points)
         half_widths.append(half_width[cKDTree(line.line).query(points[::3])[1]])
-    dots, dot_widths = _dots(graph, coverage)
+    dots, dot_widths = _dots(graph, coverage, others)
     is_closed = [line.is_closed for line in found] + [False] * len(dots)
     return _Lines(curves + dots, half_widths + dot_widths, is_closed, _junctions(graph, pairings))
 
