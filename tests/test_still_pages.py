@@ -79,7 +79,7 @@ def test_jpeg_and_noise_cost_neither_strokes_nor_more_than_they_must(disturb: ob
 
 
 def _drawn(result: FitResult) -> Floats:
-    return draw_coverage(result.strokes, (1, *SIZE), resolve_backend(RenderSettings()))[0] / 255.0
+    return np.asarray(draw_coverage(result.strokes, (1, *SIZE), resolve_backend(RenderSettings()))[0] / 255.0)
 
 
 def test_a_scan_with_a_gradient_and_sixteen_bits_has_the_strokes_of_the_clean_page() -> None:
