@@ -21,9 +21,10 @@ __all__ = ["move_ends"]
 
 Floats = NDArray[np.float64]
 
-_STEPS = (1.5, 1.5, 0.7, 0.7, 0.35, 0.35, 0.15)  # px by which ends are moved out and in, one after the other
+_STEPS = (1.5, 0.7, 0.35, 0.15)  # px by which ends are moved out and in, one after the other
+_AGAIN = 2  # times that an end is moved by one of them
 _STRETCH = 0.6  # of its length by which a last segment may be made longer or shorter at a time
-_AROUND = 2.5  # px around an end in which the drawing must be wrong for it to be moved
+_AROUND = 1.5  # px around an end's cap in which the drawing must be wrong for it to be moved
 _GAIN = 0.1  # prices of a control point that a move must gain
 _REACHES = tuple((is_last, sign) for is_last in (True, False) for sign in (1.0, -1.0))
 
@@ -42,33 +43,44 @@ def move_ends(strokes: Strokes, page: Page, settings: EditSettings) -> Strokes:
     shapes, layers = shapes_of(strokes), layers_of(strokes, page.size)
     least = _GAIN * settings.price
     for step in _STEPS:
-        tried = [
-            (i, moved)
-            for i, shape in enumerate(shapes)
-            for is_last, sign in _REACHES
-            if not shape.is_closed
-            and _wrong(shape.points[-1 if is_last else 0], page) > least
-            and (moved := _moved(shape, is_last, sign * step)) is not None
-        ]
-        trials = strokes_of([replace(moved, id=n + 1) for n, (_, moved) in enumerate(tried)])
-        best: dict[int, tuple[float, Shape, Layer]] = {}
-        for (i, moved), layer in zip(tried, layers_of(trials, page.size), strict=True):
-            rise = page.rise([layers[i]], [layer])
-            if rise < -least and (i not in best or rise < best[i][0]):
-                best[i] = rise, moved, layer
-        for i, (_, moved, layer) in sorted(best.items(), key=lambda found: found[1][0]):
-            if page.rise([layers[i]], [layer]) < -least:  # no other stroke has taken the ink since
-                page.exchange([layers[i]], [layer])
-                shapes[i], layers[i] = moved, layer
+        live = [i for i, shape in enumerate(shapes) if not shape.is_closed]
+        for _ in range(_AGAIN):
+            live = _improve(shapes, layers, live, step, page, least)
     return strokes_of(shapes)
 
 
-def _wrong(place: Floats, page: Page) -> float:
-    """Sum of squared errors around a place."""
-    x, y = place
-    low = np.maximum(np.array([y, x]) - _AROUND, 0.0).astype(int)
-    high = np.maximum(np.array([y, x]) + _AROUND + 1.0, 0.0).astype(int)
-    return float(np.square(page.residual_in(slice(low[0], high[0]), slice(low[1], high[1]))).sum())
+def _improve(
+    shapes: list[Shape], layers: list[Layer], live: list[int], step: float, page: Page, least: float
+) -> list[int]:
+    """Move ends of some strokes by one step where that gains enough, in place; which strokes were changed."""
+    tried = [
+        (i, moved)
+        for i in live
+        for is_last, sign in _REACHES
+        if _wrong(shapes[i], is_last, page) > least and (moved := _moved(shapes[i], is_last, sign * step)) is not None
+    ]
+    trials = strokes_of([replace(moved, id=n + 1) for n, (_, moved) in enumerate(tried)])
+    best: dict[int, tuple[float, Shape, Layer]] = {}
+    for (i, moved), layer in zip(tried, layers_of(trials, page.size), strict=True):
+        rise = page.rise([layers[i]], [layer])
+        if rise < -least and (i not in best or rise < best[i][0]):
+            best[i] = rise, moved, layer
+    changed = []
+    for i, (_, moved, layer) in sorted(best.items(), key=lambda found: found[1][0]):
+        if page.rise([layers[i]], [layer]) < -least:  # no other stroke has taken the ink since
+            page.exchange([layers[i]], [layer])
+            shapes[i], layers[i] = moved, layer
+            changed.append(i)
+    return changed
+
+
+def _wrong(shape: Shape, is_last: bool, page: Page) -> float:
+    """Sum of squared errors around an end."""
+    at = -1 if is_last else 0
+    reach = float(shape.half_width[at]) + _AROUND
+    low = np.maximum(shape.points[at] - reach, 0.0).astype(int)
+    high = np.maximum(shape.points[at] + reach + 1.0, 0.0).astype(int)
+    return float(np.square(page.residual_in(slice(low[1], high[1]), slice(low[0], high[0]))).sum())
 
 
 def _moved(shape: Shape, is_last: bool, length: float) -> Shape | None:

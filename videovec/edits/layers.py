@@ -89,6 +89,7 @@ class Page:
     def __init__(self, seen: NDArray[np.uint8], layers: list[Layer]) -> None:
         self.seen = seen.ravel() / 255.0
         self.clear = np.ones(self.seen.size)
+        self._marked = np.zeros(self.seen.size, bool)
         self.size = (seen.shape[0], seen.shape[1])
         for layer in layers:
             self.add(layer)
@@ -122,12 +123,22 @@ class Page:
 
     def rise(self, old: list[Layer], new: list[Layer]) -> float:
         """By how much the loss would rise if some layers took the place of others."""
-        pixels = np.unique(np.concatenate([layer.pixels for layer in (*old, *new)]))
+        pixels = self._union([*old, *new])
         before = self.loss_at(pixels)
         self.exchange(old, new)
         after = self.loss_at(pixels)
         self.exchange(new, old)
         return after - before
+
+    def _union(self, layers: list[Layer]) -> Ints:
+        """The pixels of some layers, each once."""
+        parts = []
+        for layer in layers:
+            parts.append(layer.pixels[~self._marked[layer.pixels]])
+            self._marked[parts[-1]] = True
+        pixels = np.concatenate(parts)
+        self._marked[pixels] = False
+        return pixels
 
     def exchange(self, old: list[Layer], new: list[Layer]) -> None:
         """Draw some layers in the place of others."""
