@@ -102,8 +102,8 @@ class Weights:
     """Weight λ of every term of the fit beside the photometric one, which has 1; one of weight 0 is not evaluated.
 
     The photometric term is a sum of squares over pixels. The perceptual one is multiplied by the number of pixels,
-    those on the shape of segments are summed over segments. The perceptual term is off: on clean line art it costs
-    five times the fit and lowers PSNR and LPIPS alike.
+    those on the shape of segments are summed over segments. The perceptual term is off: on clean line art it makes
+    the fit four times as long and lowers LPIPS by a tenth at most.
     """
 
     perceptual: Annotated[float, Between(0)] = 0.0
