@@ -29,7 +29,7 @@ _GROWTH = 1.08
 """A patch that is longer by this factor than on the drawing before still grows."""
 _BESIDE = 2.0
 """How far from unexplained centre lines, beyond its half-width, a new stroke may lie. working px"""
-_FLASH = 2.5
+_FLASH = 6.0
 """A patch of one drawing alone must be this many times the least."""
 
 

@@ -25,6 +25,8 @@ _OUTSIDE = 3
 """Nodes beyond the seen part that it may reach."""
 _WIDENED = 1.0
 """By how much ink is widened, for strokes that lie beside its middle. working px"""
+_LONG = 4.0
+"""Length of the shortest end that is remembered never to have been seen. working px"""
 _SURE = 2.0
 """An end that the walk reaches but for this is reached. working px"""
 
@@ -59,17 +61,18 @@ class _Scene:
 
 
 def find_ends(
-    nodes: Nodes, positions: Floats, half_width: Floats, seen: tuple[Ints, Ints], target: Target
+    nodes: Nodes, positions: Floats, half_width: Floats, seen: tuple[Ints, Ints, Floats], target: Target
 ) -> NDArray[np.float64]:
     """Find the seen part of every stroke to a fraction of a node.
 
-    Ink ends where a hidden stroke goes under the line of what hides it; the middle of that line is the end.
+    A hidden stroke goes under the line of what hides it; the middle of that line is the end of what is seen.
 
     Args:
         nodes: N nodes.
         positions: Where they are. [N, 2] working px
         half_width: Half-width of each stroke. [S] working px
-        seen: First and last seen node of each stroke, counted within it; none where the last is before the first.
+        seen: First and last seen node of each stroke, counted within it, none where the last is before the first; and
+            the most that was seen before, as arc fractions. int [S], int [S], [S, 2]
         target: The drawing's ink.
 
     Returns:
@@ -92,14 +95,21 @@ def find_ends(
             continue
         own = positions[nodes.starts[s] : nodes.starts[s + 1]]
         count = len(own)
-        end = _walk_out(scene, s, (own, basis.u), (first, last))
-        begin = 1.0 - _walk_out(scene, s, (own[::-1], 1.0 - basis.u[::-1]), (count - 1 - last, count - 1 - first))
-        visible[s] = begin, max(begin, end)
+        length = float(np.linalg.norm(np.diff(own, axis=0), axis=1).sum())
+        hidden = np.abs(seen[2][s] - (0.0, 1.0)) * length > _LONG
+        known = np.where(hidden, seen[2][s], [0.0, 1.0])
+        end = _walk_out(scene, s, (own, basis.u), (first, last, known[1]))
+        back = own[::-1], 1.0 - basis.u[::-1]
+        begin = 1.0 - _walk_out(scene, s, back, (count - 1 - last, count - 1 - first, 1.0 - known[0]))
+        visible[s] = (begin, end) if begin < end else (basis.u[first], basis.u[last])
     return visible
 
 
-def _walk_out(scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tuple[int, int]) -> float:
-    """Arc fraction at which the seen part ends, counted towards the end of a path of nodes and their fractions."""
+def _walk_out(scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tuple[int, int, float]) -> float:
+    """Arc fraction at which the seen part ends, counted towards the end of a path of nodes and their fractions.
+
+    An end that was never seen may have come to lie under the line that hides it: it is no more seen than before.
+    """
     points, u = path
     start, stop = max(seen[0], seen[1] - _INSIDE), min(len(points) - 1, seen[1] + _OUTSIDE)
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points[start : stop + 1], axis=0), axis=1))])
@@ -108,12 +118,15 @@ def _walk_out(scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tup
     at = np.append(np.arange(0.0, along[-1], _STEP), along[-1])
     places = np.stack([np.interp(at, along, points[start : stop + 1, k]) for k in (0, 1)], axis=1)
     bare = np.flatnonzero(sample(scene.ink, places) <= scene.threshold)
-    if not len(bare):
-        return 1.0 if stop == len(points) - 1 else float(u[stop])
+    is_end = stop == len(points) - 1
+    if not len(bare) and (seen[2] >= 1.0 or not is_end):
+        return 1.0 if is_end else float(u[stop])
     half_width = float(scene.half_width[stroke])
-    last = np.flatnonzero(at[: bare[0] + 1] >= at[bare[0]] - 4.0 * half_width - 2.0 * _WIDENED)
+    stop_at = int(bare[0]) if len(bare) else len(at) - 1
+    last = np.flatnonzero(at[: stop_at + 1] >= at[stop_at] - 4.0 * half_width - 2.0 * _WIDENED)
     crossing = scene.crossing(stroke, places[last])
-    reach = max(0.0, at[bare[0]] - _WIDENED - 0.5 * half_width) if crossing is None else at[last[crossing]]
-    if stop == len(points) - 1 and along[-1] - reach <= _SURE:
+    shown = at[stop_at] - (_WIDENED + 0.5 * half_width if len(bare) else 0.0)
+    reach = max(0.0, shown) if crossing is None else at[last[crossing]]
+    if is_end and along[-1] - reach <= _SURE:
         return 1.0
     return float(np.interp(reach, along, u[start : stop + 1]))

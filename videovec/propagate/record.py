@@ -61,6 +61,11 @@ class Life:
         """Last drawing."""
         return max(self.rows)
 
+    @property
+    def most_seen(self) -> tuple[float, float]:
+        """The longest part of the arc that was ever seen."""
+        return max((row.visible for row in self.rows.values()), key=lambda visible: visible[1] - visible[0])
+
 
 def open_lives(strokes: Strokes) -> list[Life]:
     """A life for every stroke, with all its rows."""

@@ -88,6 +88,8 @@ class Source:
         index: Other end of each edge. int [E]
         along: Share of stiffness along the stroke of each edge. [E]
         across: Share of stiffness between strokes of each edge. [E]
+        hold: Stiffness with which each node is held at ``goal``, against 1 of the pull of the ink. [N]
+        goal: Where nodes are held. [N, 2] working px
     """
 
     nodes: Nodes
@@ -98,6 +100,8 @@ class Source:
     index: Ints
     along: Floats
     across: Floats
+    hold: Floats
+    goal: Floats
 
     def stiffness(self, along: float, across: float) -> tuple[Ints, Ints, Floats]:
         """Edges for `relax`."""
@@ -135,6 +139,8 @@ def source_of(nodes: Nodes, rest: Floats, ink: Target, weight: Floats | None = N
         index=both[order, 1].astype(np.int64),
         along=np.tile(np.concatenate([along, zero_along]), 2)[order],
         across=np.tile(np.concatenate([zero_cross, across]), 2)[order],
+        hold=np.zeros(len(nodes)),
+        goal=rest,
     )
 
 
@@ -186,7 +192,7 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
             ink = _ink_features(target, beta, gamma)
             to_ink, squared = nearest(features, ink, to_ink)
             to_node, squared_back = nearest(ink[::2], features, to_node)
-            pull, rhs = np.zeros((len(positions), 3)), np.zeros((len(positions), 2))
+            pull, rhs = source.hold[:, None] * (1.0, 0.0, 1.0), source.hold[:, None] * source.goal
             weight = source.weight * _robust(squared, tau)
             own = np.arange(len(positions))
             assemble(pull, rhs, own, target.points[to_ink], target.direction[to_ink], weight, np.full(len(own), _ALONG))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.curves import sample_by_arc
+from videovec.curves import sample_by_arc, sub_curve
 from videovec.propagate.record import Life, Row
 from videovec.propagate.step import Follower
 
@@ -39,7 +39,7 @@ def relink(lives: list[Life], drawing: int, followers: list[Follower]) -> list[L
     for a, life in enumerate(lives):
         for b, follower in enumerate(hidden):
             if life.is_closed == follower.life.is_closed and np.abs(life.color - follower.life.color).max() < 0.25:
-                match = _same_shape(follower.life.rows[drawing].points, life.rows[drawing].points, life.is_closed)
+                match = _same_shape(_seen_part(follower.life, drawing), life.rows[drawing].points, life.is_closed)
                 if match is not None:
                     pairs.append((match[0], a, b, match[1]))
     taken: set[int] = set()
@@ -51,6 +51,12 @@ def relink(lives: list[Life], drawing: int, followers: list[Follower]) -> list[L
         found.add(b)
         _resume(hidden[b], drawing, samples)
     return [life for a, life in enumerate(lives) if a not in taken]
+
+
+def _seen_part(life: Life, drawing: int) -> Floats:
+    """The part of a hidden stroke that was seen before. Control points [3n+1, 2] px"""
+    row = life.rows[drawing]
+    return sub_curve(row.points, row.half_width, *life.most_seen)[0]
 
 
 def _same_shape(old: Floats, new: Floats, is_closed: bool) -> tuple[float, Complexes] | None:
@@ -83,16 +89,17 @@ def _samples(points: Floats, is_closed: bool) -> Complexes:
 
 def _resume(follower: Follower, drawing: int, samples: Complexes) -> None:
     """Put a hidden stroke where it was found."""
-    row = follower.life.rows[drawing]
-    old = _samples(row.points, follower.life.is_closed)
+    row, (begin, end) = follower.life.rows[drawing], follower.life.most_seen
+    old = _samples(_seen_part(follower.life, drawing), follower.life.is_closed)
     ratio = np.vdot(old - old.mean(), samples - samples.mean()) / np.vdot(old - old.mean(), old - old.mean()).real
     z = ratio * (row.points @ np.array([1, 1j]) - old.mean()) + samples.mean()
     points = np.stack([z.real, z.imag], axis=1)
-    count = len(samples) + (1 if follower.life.is_closed else 0)
-    u = np.linspace(0.0, 1.0, count)
     ring = np.append(samples, samples[0]) if follower.life.is_closed else samples
-    goal = np.stack([np.interp(follower.basis.u, u, ring.real), np.interp(follower.basis.u, u, ring.imag)], axis=1)
+    u = np.linspace(begin, end, len(ring))
+    goal = follower.basis.weights @ points
+    seen = (follower.basis.u >= begin) & (follower.basis.u <= end)
+    goal[seen] = np.stack([np.interp(follower.basis.u[seen], u, x) for x in (ring.real, ring.imag)], axis=1)
     points = points + follower.basis.inverse @ (goal - follower.basis.weights @ points)
-    follower.life.rows[drawing] = Row(points, row.half_width, row.opacity, (0.0, 1.0), 1.0)
+    follower.life.rows[drawing] = Row(points, row.half_width, row.opacity, (begin, end), 1.0)
     follower.velocity = np.zeros_like(follower.velocity)
     follower.unseen = 0

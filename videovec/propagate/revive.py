@@ -39,8 +39,11 @@ def revive(
     ended: set[int] = set()
     first, last = placed.support.first.copy(), placed.support.last.copy()
     for s, follower in enumerate(followers):
-        own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
-        if not follower.unseen or np.mean(gap[own] <= reach[s]) < _BACK:
+        seen = follower.life.most_seen
+        begin, end = np.searchsorted(follower.basis.u, [seen[0], seen[1] + 1e-9])
+        own = slice(int(nodes.starts[s] + begin), int(nodes.starts[s] + end))
+        share = float(np.mean(gap[own] <= reach[s])) if end > begin else 0.0
+        if not follower.unseen or share < _BACK:
             continue
         young = [
             k
@@ -51,10 +54,10 @@ def revive(
         if not usurpers:
             continue
         ended.update(usurpers)
-        share = float(np.mean(gap[own] <= reach[s]))
-        follower.life.rows[drawing] = replace(follower.life.rows[drawing], visible=(0.0, 1.0), confidence=share)
+        row = follower.life.rows[drawing]
+        follower.life.rows[drawing] = replace(row, visible=seen, confidence=share)
         follower.unseen = 0
-        first[s], last[s] = 0, own.stop - own.start - 1
+        first[s], last[s] = begin, end - 1
     for k in ended:
         del followers[k].life.rows[drawing]
         first[k], last[k] = 0, -1

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from videovec.propagate.hypotheses import place, place_growing
 from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
+from videovec.propagate.predict import Hold, predict_hidden
 from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
 from videovec.propagate.registration import SETTLE, SIMILAR, Source, register, source_of
@@ -90,9 +91,11 @@ def carry(
     find = place_growing if grows else place
     loose, positions = find(source, targets[1], targets[0], velocity)
     half_width = scale * np.array([follower.half_width(before) for follower in followers])
-    support = find_support(nodes, positions, half_width, targets[1])
-    positions = _settle(loose, targets[1], positions, support)
-    support = find_support(nodes, positions, half_width, targets[1])
+    most_seen = np.array([follower.life.most_seen for follower in followers]).reshape(-1, 2)
+    support = find_support(nodes, positions, half_width, targets[1], most_seen)
+    hold = predict_hidden([f.life for f in followers], nodes, positions, support, (before, after, scale))
+    positions = _settle(loose, targets[1], positions, support, hold)
+    support = find_support(nodes, positions, half_width, targets[1], most_seen)
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
     strokes = replace(strokes, points=_refined(strokes, points, coverage, settings))
     positions = scale * nodes.positions(strokes.points)
@@ -124,11 +127,12 @@ def _placed(followers: list[Follower], rows: list[Row], points: Floats, support:
     return bind(lives)[0]
 
 
-def _settle(source: Source, target: Target, positions: Floats, support: Support) -> Floats:
+def _settle(source: Source, target: Target, positions: Floats, support: Support, hold: Hold) -> Floats:
     """Let go of nodes without ink, then allow local scale."""
     weight = support.follows(source.nodes)
     phases = (SIMILAR,) if np.array_equal(weight, source.weight) and weight.all() else (SETTLE, SIMILAR)
-    return register(replace(source, weight=weight), target, positions, phases)
+    source = replace(source, weight=weight, hold=hold.stiffness, goal=hold.goal)
+    return register(source, target, positions, phases)
 
 
 def _refined(strokes: Strokes, rest: Floats, coverage: NDArray[np.uint8], settings: PropagateSettings) -> Floats:

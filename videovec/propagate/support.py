@@ -68,7 +68,9 @@ class Support:
         return np.maximum(self.follows(nodes), beyond)
 
 
-def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Target) -> Support:
+def find_support(
+    nodes: Nodes, positions: Floats, half_width: Floats, target: Target, most_seen: Floats | None = None
+) -> Support:
     """Look for the ink of every stroke.
 
     A part of a stroke is seen where there is ink; the stroke is there if some of that ink has no better stroke. A
@@ -79,6 +81,7 @@ def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Ta
         positions: Where they are. [N, 2] working px
         half_width: Half-width of each stroke. [S] working px
         target: The drawing's ink.
+        most_seen: The most that was ever seen of each stroke, as arc fractions; all of it unless told. [S, 2]
 
     Returns:
         The support of each node and the seen part of each stroke.
@@ -98,7 +101,8 @@ def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Ta
         first[s], last[s] = _interval(part, basis.is_closed)
         if own[first[s] : last[s] + 1].sum() < _OWN * (last[s] + 1 - first[s]):
             first[s], last[s] = 0, -1
-    visible = find_ends(nodes, positions, half_width, (first, last), target)
+    known = np.tile([0.0, 1.0], (count, 1)) if most_seen is None else most_seen
+    visible = find_ends(nodes, positions, half_width, (first, last, known), target)
     seen = last >= first
     first = np.where(seen & (visible[:, 0] <= 0), 0, first)
     last = np.where(seen & (visible[:, 1] >= 1), np.diff(nodes.starts) - 1, last)

@@ -1,0 +1,142 @@
+"""Where the hidden parts of strokes are: carried along by what they moved with since they were last seen whole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.curves import arc_length
+from videovec.propagate.nodes import Nodes
+from videovec.propagate.record import Life
+from videovec.propagate.support import Support
+
+__all__ = ["Hold", "predict_hidden"]
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+_WHOLE = 0.95
+"""Share of the most that was ever seen of a stroke from which on it was seen whole."""
+_LESS = 4.0
+"""Length that is missing of a stroke that is partly hidden. working px"""
+_RANGE = 40.0
+"""Distance at which other strokes have half of their say. working px"""
+_TOLERANCES = (24.0, 12.0, 6.0, 4.0)
+"""Misfits, one after the other, at which a node has a quarter of its say. working px"""
+_OWN = 0.5
+"""Say of a stroke's own seen nodes, which may have slid along it."""
+_FEWEST = 4.0
+"""Sum of says below which nothing is known."""
+_SEEN, _UNSEEN = 0.1, 0.4
+"""Stiffness of the pull of a prediction on seen and on hidden nodes of a stroke, against 1 of the ink's."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hold:
+    """Where some nodes are expected.
+
+    Args:
+        goal: The places. [N, 2] working px
+        stiffness: How much each is pulled there; 0 where nothing is expected. [N]
+    """
+
+    goal: Floats
+    stiffness: Floats
+
+
+def predict_hidden(
+    lives: list[Life], nodes: Nodes, positions: Floats, support: Support, step: tuple[int, int, float]
+) -> Hold:
+    """Predict the strokes of which less is seen than before.
+
+    Their neighbours' motion since then, as far as it agrees with their own so far, is fitted by a similarity. What
+    hides them moves otherwise, and has no say.
+
+    Args:
+        lives: S lives.
+        nodes: Their nodes.
+        positions: Where those are on the drawing. [N, 2] working px
+        support: What is seen of them there.
+        step: The drawing that they come from, the drawing, and working px for each px.
+
+    Returns:
+        Where the nodes of these strokes are expected.
+    """
+    before, _, scale = step
+    goal, stiffness = positions.copy(), np.zeros(len(nodes))
+    follows = support.follows(nodes) > 0
+    for s, life in enumerate(lives):
+        home = _home(life, before)
+        own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
+        if home is None or not _is_less(life, home, support.visible[s], scale):
+            continue
+        then = _nodes_at(lives, nodes, home, scale)
+        guess = scale * nodes.bases[s].weights @ life.rows[before].points
+        motion = _common_motion(then, positions, (follows & support.node, own), guess)
+        if motion is not None:
+            z = motion[0] * _complex(then[own]) + motion[1]
+            goal[own] = np.stack([z.real, z.imag], axis=1)
+            stiffness[own] = np.where(follows[own], _SEEN, _UNSEEN)
+    return Hold(goal, stiffness)
+
+
+def _home(life: Life, before: int) -> int | None:
+    """The drawing nearest to the last one on which the stroke was seen whole."""
+    seen = {d: row.visible[1] - row.visible[0] for d, row in life.rows.items()}
+    most = max(seen.values())
+    whole = [d for d, part in seen.items() if part >= _WHOLE * most] if most > 0 else []
+    return min(whole, key=lambda d: abs(d - before), default=None)
+
+
+def _is_less(life: Life, home: int, visible: Floats, scale: float) -> bool:
+    row = life.rows[home]
+    missing = (row.visible[1] - row.visible[0]) - float(visible[1] - visible[0])
+    return missing * scale * arc_length(row.points) > _LESS or (missing > 0 and visible[1] <= visible[0])
+
+
+def _nodes_at(lives: list[Life], nodes: Nodes, drawing: int, scale: float) -> Floats:
+    """Where the nodes of all strokes were; NaN for those that were not seen. [N, 2] working px"""
+    then = np.full((len(nodes), 2), np.nan)
+    for s, life in enumerate(lives):
+        row = life.rows.get(drawing)
+        if row is not None and row.visible[1] > row.visible[0]:
+            then[nodes.starts[s] : nodes.starts[s + 1]] = scale * nodes.bases[s].weights @ row.points
+    return then
+
+
+def _common_motion(
+    then: Floats, now: Floats, who: tuple[NDArray[np.bool_], slice], guess: Floats
+) -> tuple[complex, complex] | None:
+    """Factor and shift of the similarity by which a stroke and what agrees with it have moved."""
+    seen, own = who
+    known = seen & np.isfinite(then[:, 0])
+    is_own = np.zeros(len(then), bool)
+    is_own[own] = True
+    target = then[own]
+    low, high = target.min(axis=0), target.max(axis=0)
+    gap = np.linalg.norm(np.maximum(0.0, np.maximum(low - then[known], then[known] - high)), axis=1)
+    say = np.where(is_own[known], _OWN, 1.0 / (1.0 + (gap / _RANGE) ** 2))
+    a, b = _complex(then[known]), _complex(now[known])
+    factor, shift = _similarity(_complex(target), _complex(guess), np.ones(len(target)))
+    for tolerance in _TOLERANCES:
+        misfit = np.abs(factor * a + shift - b)
+        weight = say / (1.0 + (misfit / tolerance) ** 2) ** 2
+        if weight.sum() < _FEWEST:
+            return None
+        factor, shift = _similarity(a, b, weight)
+    return factor, shift
+
+
+def _similarity(a: Complexes, b: Complexes, weight: Floats) -> tuple[complex, complex]:
+    """Factor and shift that best take points to others."""
+    total = weight.sum()
+    middle_a, middle_b = (weight @ a) / total, (weight @ b) / total
+    spread = float(weight @ np.abs(a - middle_a) ** 2)
+    factor = complex((weight * np.conj(a - middle_a)) @ (b - middle_b) / spread) if spread > 1e-9 else 1.0 + 0.0j
+    return factor, complex(middle_b - factor * middle_a)
+
+
+def _complex(points: Floats) -> Complexes:
+    return np.asarray(points[:, 0] + 1j * points[:, 1])
