@@ -25,10 +25,14 @@ _OUTSIDE = 3
 """Nodes beyond the seen part that it may reach."""
 _WIDENED = 1.0
 """By how much ink is widened, for strokes that lie beside its middle. working px"""
+_BEYOND = 1.5
+"""How far beyond the line of another stroke the last ink may lie. working px"""
 _LONG = 4.0
 """Length of the shortest end that is remembered never to have been seen. working px"""
 _SURE = 2.0
 """An end that the walk reaches but for this is reached. working px"""
+_FREE = 6.0
+"""Likewise, where nothing hides the end: a tip that lies beyond its ink was misplaced, or has slid. working px"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,14 +54,17 @@ class _Scene:
     half_width: Floats
 
     def crossing(self, stroke: int, places: Floats) -> int | None:
-        """The place that is nearest to the middle of another stroke, if any lies on one."""
+        """The place that is nearest to the middle of another stroke on whose line the last place lies, if it does."""
         low, high = places.min(axis=0) - 8.0, places.max(axis=0) + 8.0
         near = (self.stroke != stroke) & ((self.points >= low) & (self.points <= high)).all(axis=1)
         if not near.any():
             return None
         gap = np.linalg.norm(places[:, None] - self.points[near], axis=2)
+        reach = self.half_width[self.stroke[near]] + _WIDENED
+        if (gap[-1] > reach + _BEYOND).all():
+            return None
         place, other = np.unravel_index(int(gap.argmin()), gap.shape)
-        return int(place) if gap[place, other] <= self.half_width[self.stroke[near][other]] + _WIDENED else None
+        return int(place) if gap[place, other] <= reach[other] else None
 
 
 def find_ends(
@@ -127,6 +134,6 @@ def _walk_out(scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tup
     crossing = scene.crossing(stroke, places[last])
     shown = at[stop_at] - (_WIDENED + 0.5 * half_width if len(bare) else 0.0)
     reach = max(0.0, shown) if crossing is None else at[last[crossing]]
-    if is_end and along[-1] - reach <= _SURE:
+    if is_end and along[-1] - reach <= (_FREE if crossing is None else _SURE):
         return 1.0
     return float(np.interp(reach, along, u[start : stop + 1]))

@@ -25,6 +25,10 @@ _RANGE = 40.0
 """Distance at which other strokes have half of their say. working px"""
 _TOLERANCES = (24.0, 12.0, 6.0, 4.0)
 """Misfits, one after the other, at which a node has a quarter of its say. working px"""
+_AGREES = 4.0
+"""Distance within which a prediction agrees with what is seen of the stroke. working px"""
+_LEAP = 16.0
+"""Motion between two drawings up to which a prediction is believed. working px"""
 _OWN = 0.5
 """Say of a stroke's own seen nodes, which may have slid along it."""
 _FEWEST = 4.0
@@ -75,8 +79,11 @@ def predict_hidden(
         then = _nodes_at(lives, nodes, home, scale)
         guess = scale * nodes.bases[s].weights @ life.rows[before].points
         motion = _common_motion(then, positions, (follows & support.node, own), guess)
-        if motion is not None:
-            z = motion[0] * _complex(then[own]) + motion[1]
+        if motion is None:
+            continue
+        z = motion[0] * _complex(then[own]) + motion[1]
+        own_misfit = np.abs(z - _complex(positions[own]))[follows[own]]
+        if np.mean(np.abs(z - _complex(guess))) <= _LEAP and (not len(own_misfit) or np.median(own_misfit) <= _AGREES):
             goal[own] = np.stack([z.real, z.imag], axis=1)
             stiffness[own] = np.where(follows[own], _SEEN, _UNSEEN)
     return Hold(goal, stiffness)

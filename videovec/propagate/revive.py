@@ -45,11 +45,7 @@ def revive(
         share = float(np.mean(gap[own] <= reach[s])) if end > begin else 0.0
         if not follower.unseen or share < _BACK:
             continue
-        young = [
-            k
-            for k, other in enumerate(followers)
-            if other is not follower and len(other.life.rows) - 1 <= follower.unseen + 1 and not other.unseen
-        ]
+        young = [k for k, other in enumerate(followers) if _is_younger(other, follower)]
         usurpers = [k for k in young if _covers(positions[own], _of(placed, k), reach[s])]
         if not usurpers:
             continue
@@ -63,6 +59,12 @@ def revive(
         first[k], last[k] = 0, -1
     go_on = [follower for k, follower in enumerate(followers) if k not in ended]
     return go_on, replace(placed, support=replace(placed.support, first=first, last=last))
+
+
+def _is_younger(other: Follower, follower: Follower) -> bool:
+    """Whether a seen stroke was born since another went into hiding."""
+    born_since = other.life.id > follower.life.id and len(other.life.rows) - 1 <= follower.unseen
+    return born_since and not other.unseen
 
 
 def _of(placed: Placement, stroke: int) -> NDArray[np.float64]:
