@@ -182,6 +182,28 @@ def test_a_line_that_is_being_drawn_is_one_stroke_whose_visible_part_grows() -> 
     np.testing.assert_allclose(share, [0.2, 0.4, 0.6, 0.8, 1.0, 1.0], atol=0.06)
 
 
+def test_ink_that_is_never_twice_in_one_place_is_one_stroke() -> None:
+    still = [line(30, 40, 30, 120), line(30, 40, 60, 70)]
+    fast = [line(84 + 16 * t, 10, 84 + 16 * t, 150) for t in range(5)]
+    result = run(ink_of([draw(still), *(draw([*still, bar]) for bar in fast)]), strokes_of(still))
+    assert len(result.strokes) == len(still) + 1
+    assert kinds(result, EventKind.BIRTH) == [1]
+    for t, bar in enumerate(fast, start=1):
+        across = result.strokes.points_of(result.strokes.row(len(still), t))[:, 0]
+        np.testing.assert_allclose(across, bar[0, 0], atol=1.5)
+
+
+def test_an_end_under_another_line_stays_hidden_where_the_two_cross() -> None:
+    under = [line(20, 60, 20 + 90, 60), line(90, 20, 90, 110)]
+    moved = [[c + np.array([4.0, 2.0]) * t for c in under] for t in range(4)]
+    drawings = [draw(curves, cover=(round(curves[1][0, 0]) + 2, 0, SIZE, SIZE)) for curves in moved]
+    begun = strokes_of(under)
+    begun.visible[0] = 0.0, 70 / 90
+    result = run(ink_of(drawings), begun)
+    seen = [90 * result.strokes.visible[result.strokes.row(0, t), 1] for t in range(4)]
+    np.testing.assert_allclose(seen, 70, atol=3.0)
+
+
 def test_a_cut_ends_all_lives_and_begins_others() -> None:
     other = [arc(x, y, 18, a, a + 85) for x in (30, 80, 130) for y in (30, 80, 130) for a in (0, 95, 190)]
     result = run(ink_of([draw(FIGURE)] * 2 + [draw(other)] * 2), strokes_of(FIGURE))
