@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from videovec.parameters import Parameters
 from videovec.render import list_pairs
 from videovec.render.numba_backend import arrays_of, cover
-from videovec.render.numba_kernels import PARTIALS
 from videovec.strokes import Strokes
 
 __all__ = ["Layer", "Page", "layers_of"]
@@ -61,13 +60,13 @@ def layers_of(strokes: Strokes, size: tuple[int, int]) -> list[Layer]:
         scene = parameters.scene((1, *size), parameters.intervals())
         pairs = list_pairs(scene, 1.0, margin=_MARGIN)
     arrays = arrays_of(scene, pairs)
-    scratch = np.empty((PARTIALS + 1, len(pairs)), arrays.control.dtype)
+    covered = np.empty(len(pairs), arrays.control.dtype)
     for _ in range(_ROUNDS):
-        cover(arrays, 1.0, 0, scratch)
+        cover(arrays, 1.0, 0, covered)
     pixel = np.repeat(arrays.active, np.diff(arrays.start))
     stroke = order[arrays.order_row]
-    value = scratch[0][arrays.order].astype(np.float64) * strokes.opacity[stroke]
-    by_stroke = np.argsort(stroke, kind="stable")
+    value = covered[arrays.order].astype(np.float64) * strokes.opacity[stroke]
+    by_stroke = np.lexsort([pixel, stroke])
     pixel, stroke, value = pixel[by_stroke], stroke[by_stroke], value[by_stroke]
     first = np.flatnonzero(np.diff(stroke * np.intp(size[0] * size[1]) + pixel, prepend=-1))
     if not len(first):

@@ -56,7 +56,8 @@ def coverage_loss_and_gradients(
 
 
 def _with_numba(scene: Scene, pairs: PairList, scale: float, target: Tensor, extra: Tensor | None) -> CoverageMatch:
-    from videovec.render.numba_backend import arrays_of, match_drawings
+    from videovec.render.numba_backend import arrays_of
+    from videovec.render.numba_match import match_drawings
 
     real = scene.control.dtype
     like = (scene.control, scene.half_width, scene.interval, scene.opacity)

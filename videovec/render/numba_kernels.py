@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from videovec.compiling import compiled
 from videovec.render.limits import BENT, NARROWEST, NEAREST, SLOWEST, THINNEST
 
-__all__ = ["PARTIALS", "accumulate", "evaluate"]
+__all__ = ["PARTIALS", "accumulate", "at_parameter", "cover_pairs", "cubic_of", "differentiate"]
 
 Array = NDArray[Any]
 
@@ -35,7 +35,7 @@ PARTIALS = 5
 
 
 @compiled(fastmath=True)
-def _cubic(p: Array) -> tuple[Any, ...]:
+def cubic_of(p: Array) -> tuple[Any, ...]:
     """Coefficients of t, t² and t³ of a segment relative to its first control point."""
     three = p.dtype.type(3)  # An integer would turn float32 into float64.
     x1, y1 = three * (p[1, 0] - p[0, 0]), three * (p[1, 1] - p[0, 1])
@@ -44,7 +44,7 @@ def _cubic(p: Array) -> tuple[Any, ...]:
 
 
 @compiled(fastmath=True)
-def _at(c: tuple[Any, ...], px: Any, py: Any, t: Any) -> tuple[Any, ...]:
+def at_parameter(c: tuple[Any, ...], px: Any, py: Any, t: Any) -> tuple[Any, ...]:
     """From the curve to the pixel, and the curve's first and second derivative."""
     x1, y1, x2, y2, x3, y3 = c
     u, v = x3 * t, y3 * t
@@ -55,30 +55,46 @@ def _at(c: tuple[Any, ...], px: Any, py: Any, t: Any) -> tuple[Any, ...]:
 
 
 @compiled(fastmath=True)
-def _trapezoid(m: Any, a: Any, b: Any, per_a: Any, per_b: Any, half: Any) -> tuple[Any, ...]:
-    """Integral from 0 to m >= 0 of boxes of widths a >= b convolved; its derivatives by m, a and b."""
+def _band(h: Any, d: Any, a: Any, b: Any, half: Any) -> Any:
+    """Coverage of a band of half-width h at distance d by the trapezoid of boxes of widths a >= b."""
+    per_two_ab = half / (a * b)
+    near = _integral(abs(h - d), a, b, per_two_ab, half)
+    far = _integral(h + d, a, b, per_two_ab, half)
+    return far + near if h >= d else far - near
+
+
+@compiled(fastmath=True)
+def _integral(m: Any, a: Any, b: Any, per_two_ab: Any, half: Any) -> Any:
+    """Integral from 0 to m >= 0 of boxes of widths a >= b convolved; beyond them exactly 1/2."""
     flat = half * (a - b)
     q = min(max(flat + b - m, half - half), b)
-    on_flat = min(m, flat)
-    integral = on_flat * per_a + half * (b * b - q * q) * per_a * per_b
-    by_a = per_a * per_a * (half * q * (q - a) * per_b + flat - on_flat)
-    return integral, q * per_a * per_b, by_a, half * q * (q - b) * per_a * per_b * per_b
+    return half - ((b + b) * (flat - min(m, flat)) + q * q) * per_two_ab
+
+
+@compiled(fastmath=True)
+def _slopes(m: Any, a: Any, b: Any, per: tuple[Any, Any], half: Any) -> tuple[Any, Any, Any]:
+    """Derivatives of `_integral` by m, a and b."""
+    per_a, per_b = per
+    flat = half * (a - b)
+    q = min(max(flat + b - m, half - half), b)
+    by_a = per_a * per_a * (half * q * (q - a) * per_b + flat - min(m, flat))
+    return q * per_a * per_b, by_a, half * q * (q - b) * per_a * per_b * per_b
 
 
 @compiled(fastmath=True)
 def _profile(h: Any, d: Any, nx: Any, ny: Any, k: Any, limit: Any, half: Any) -> tuple[Any, ...]:
-    """Coverage of a band of half-width h at distance d, and its derivatives by h, d and the angle of n."""
+    """Derivatives of the coverage of a band of half-width h at distance d by h, d and the angle of n."""
     one = half + half
     wide, thin = max(abs(nx), abs(ny)), min(abs(nx), abs(ny))
     a, b = k * wide, k * max(thin, limit)
-    per_a, per_b = one / a, one / b
-    near, near_f, near_a, near_b = _trapezoid(abs(h - d), a, b, per_a, per_b, half)
-    far, far_f, far_a, far_b = _trapezoid(h + d, a, b, per_a, per_b, half)
+    per = one / a, one / b
+    near_f, near_a, near_b = _slopes(abs(h - d), a, b, per, half)
+    far_f, far_a, far_b = _slopes(h + d, a, b, per, half)
     sign = one if h >= d else -one
     spin = k if (abs(nx) >= abs(ny)) == (nx * ny >= one - one) else -k
     by_b = (far_b + sign * near_b) * wide if thin > limit else one - one
     by_psi = spin * (by_b - (far_a + sign * near_a) * thin)
-    return far + sign * near, far_f + near_f, far_f - near_f, by_psi
+    return far_f + near_f, far_f - near_f, by_psi
 
 
 @compiled()
@@ -97,45 +113,101 @@ def _stretch(p: Array, h: Any, k: Any, is_dot: bool) -> tuple[Any, Any, Any, Any
     return real(1), m - real(1), real(0), slope
 
 
-@compiled(fastmath=True)
-def evaluate(
-    control: Array, half_width: Array, ends: tuple[Any, Any], scale: float, pixels: tuple[Array, Array], out: Any
-) -> None:
-    """Improve t by one Newton step, and write the coverage and the partials of the pairs of one chunk.
+@compiled()
+def _ends(control: Array, half_width: Array, visible: tuple[Any, Any], k: Any) -> tuple[Any, ...]:
+    """First and last t of a chunk, their middle if it is a dot; how distances from either are stretched, 2 x 4."""
+    is_dot = True
+    for n in range(1, 4):
+        farther = max(abs(control[n, 0] - control[0, 0]), abs(control[n, 1] - control[0, 1]))
+        is_dot = is_dot and farther < control.dtype.type(SLOWEST)
+    middle = control.dtype.type(0.5) * (visible[0] + visible[1])
+    lo, hi = (middle, middle) if is_dot else visible
+    h0, dh = half_width[0], half_width[1] - half_width[0]
+    return lo, hi, _stretch(control, h0 + dh * lo, k, is_dot), _stretch(control, h0 + dh * hi, k, is_dot)
 
-    All arithmetic is in the precision of ``control``; the loop has no branches, so that it runs in vector registers.
+
+@compiled(fastmath=True)
+def cover_pairs(
+    curve: tuple[Array, Array], visible: tuple[Any, Any], scale: float, pixels: tuple[Array, Array], out: Any
+) -> None:
+    """Improve t by one Newton step, and write the coverage of the pairs of one chunk.
+
+    All arithmetic is in the precision of the curve; the loop has no branches, so that it runs in vector registers.
 
     Args:
-        control: The chunk's segment. [4, 2] px
-        half_width: At both ends of the segment. [2] px
-        ends: First and last visible t of the chunk.
+        curve: Control points of the chunk's segment [4, 2] and half-width at its ends [2]. px
+        visible: First and last visible t of the chunk.
         scale: Side of the kernel. px
         pixels: Column and row of each pair. int16 [n], int16 [n]
-        out: t, coverage, U (2), V (2) and dc/dh of each pair, written in place. 7 x [n]
+        out: t and coverage of each pair, written in place. 2 x [n]
     """
+    control, half_width = curve
     real = control.dtype.type
     zero, half, one, quarter, tiny = real(0), real(0.5), real(1), real(0.25), real(1e-12)
-    slowest2, nearest, limit, bent, k = real(SLOWEST**2), real(NEAREST), real(NARROWEST), real(BENT), real(scale)
-    h0, dh = half_width[0], half_width[1] - half_width[0]
-    middle = half * (ends[0] + ends[1])
-    is_dot = np.abs(control - control[0]).max() < real(SLOWEST)
-    lo, hi = (middle, middle) if is_dot else ends
-    far_lo, more_lo, far_slope_lo, more_slope_lo = _stretch(control, h0 + dh * lo, k, is_dot)
-    far_hi, more_hi, far_slope_hi, more_slope_hi = _stretch(control, h0 + dh * hi, k, is_dot)
+    slowest2, nearest, limit, k = real(SLOWEST**2), real(NEAREST), real(NARROWEST), real(scale)
+    lo, hi, (far_lo, more_lo, _, _), (far_hi, more_hi, _, _) = _ends(control, half_width, visible, k)
+    middle, h0, dh = half * (lo + hi), half_width[0], half_width[1] - half_width[0]
     x0, y0 = control[0, 0] - half, control[0, 1] - half
-    cubic = _cubic(control)
+    cubic = cubic_of(control)
     columns, rows = pixels
-    ts, cs, uxs, uys, vxs, vys, hs = out
+    ts, cs = out
     for i in range(len(ts)):
         px, py = real(columns[i]) - x0, real(rows[i]) - y0
         t = min(max(ts[i], lo), hi)
-        rx, ry, bx, by, ax, ay = _at(cubic, px, py, t)
+        rx, ry, bx, by, ax, ay = at_parameter(cubic, px, py, t)
         speed2 = bx * bx + by * by
         bend = max(speed2 - rx * ax - ry * ay, quarter * speed2 + tiny)
         t = min(max(t + (rx * bx + ry * by) / bend, lo), hi)
         ts[i] = t
 
-        rx, ry, bx, by, ax, ay = _at(cubic, px, py, t)
+        rx, ry, bx, by, ax, ay = at_parameter(cubic, px, py, t)
+        speed2 = bx * bx + by * by
+        has_speed = speed2 > slowest2
+        is_inside = (t > lo) & (t < hi) & has_speed
+        is_low = t < middle
+        far = one if is_inside else (far_lo if is_low else far_hi)
+        more = zero if is_inside else (more_lo if is_low else more_hi)
+        along = more * (rx * bx + ry * by) / max(speed2, slowest2) if has_speed else zero
+        ex, ey = far * rx + along * bx, far * ry + along * by
+        d2 = ex * ex + ey * ey
+        is_near = d2 < nearest * nearest
+        has_tangent = is_inside | (is_near & has_speed)
+        length2 = speed2 if has_tangent else (one if is_near else d2)
+        nx = by if has_tangent else (one if is_near else ex)
+        ny = bx if has_tangent else (zero if is_near else ey)
+        per_length = one / np.sqrt(length2)
+        wide, thin = max(abs(nx), abs(ny)) * per_length, min(abs(nx), abs(ny)) * per_length
+        cs[i] = _band(h0 + dh * t, np.sqrt(d2), k * wide, k * max(thin, limit), half)
+
+
+@compiled(fastmath=True)
+def differentiate(
+    curve: tuple[Array, Array], visible: tuple[Any, Any], scale: float, pixels: tuple[Array, Array, Array], out: Any
+) -> None:
+    """Write the partials of some pairs of one chunk: U (2), V (2) and dc/dh.
+
+    Args:
+        curve: Control points of the chunk's segment [4, 2] and half-width at its ends [2]. px
+        visible: First and last visible t of the chunk.
+        scale: Side of the kernel. px
+        pixels: Column, row and t of each pair. 3 x [n]
+        out: The partials. 5 x [n]
+    """
+    control, half_width = curve
+    real = control.dtype.type
+    zero, half, one, tiny = real(0), real(0.5), real(1), real(1e-12)
+    slowest2, nearest, limit, bent, k = real(SLOWEST**2), real(NEAREST), real(NARROWEST), real(BENT), real(scale)
+    lo, hi, low_end, high_end = _ends(control, half_width, visible, k)
+    far_lo, more_lo, far_slope_lo, more_slope_lo = low_end
+    far_hi, more_hi, far_slope_hi, more_slope_hi = high_end
+    middle, h0, dh = half * (lo + hi), half_width[0], half_width[1] - half_width[0]
+    x0, y0 = control[0, 0] - half, control[0, 1] - half
+    cubic = cubic_of(control)
+    columns, rows, ts = pixels
+    uxs, uys, vxs, vys, hs = out
+    for i in range(len(ts)):
+        t = ts[i]
+        rx, ry, bx, by, ax, ay = at_parameter(cubic, real(columns[i]) - x0, real(rows[i]) - y0, t)
         speed2 = bx * bx + by * by
         bend = max(max(speed2 - rx * ax - ry * ay, bent * speed2), bent * slowest2)
         has_speed = speed2 > slowest2
@@ -154,8 +226,8 @@ def evaluate(
         per_d = one / max(d, tiny)
         has_tangent = is_inside | ((d < nearest) & has_speed)
         nx = -ty if has_tangent else (ex * per_d if d >= nearest else one)
-        ny = tx if has_tangent else ey * per_d
-        coverage, by_h, by_d, by_psi = _profile(h0 + dh * t, d, nx, ny, k, limit, half)
+        ny = tx if has_tangent else (ey * per_d if d >= nearest else zero)
+        by_h, by_d, by_psi = _profile(h0 + dh * t, d, nx, ny, k, limit, half)
 
         # psi turns with the tangent inside, with the stretched r at an end.
         along = -by_d * per_d
@@ -167,25 +239,28 @@ def evaluate(
         turn = (by_psi if has_tangent else zero) - more * (g_u * v + g_v * u)
         turn = turn * per_speed if has_speed else zero
         slide = (by_h * dh - turn * (ty * ax - tx * ay)) / bend if is_inside else zero
-        cs[i], hs[i] = coverage, by_h - far_slope * (gx * rx + gy * ry) - more_slope * u * g_u
+        hs[i] = by_h - far_slope * (gx * rx + gy * ry) - more_slope * u * g_u
         more_g = more * g_u if has_speed else zero
         uxs[i], uys[i] = far * gx + more_g * tx - slide * bx, far * gy + more_g * ty - slide * by
         vxs[i], vys[i] = -turn * ty + slide * rx, turn * tx + slide * ry
 
 
 @compiled(fastmath=True)
-def accumulate(weight: Array, partials: tuple[Array, ...], grad_control: Array, grad_half_width: Array) -> None:
+def accumulate(
+    ts: Array, weight: Array, partials: tuple[Array, ...], grad_control: Array, grad_half_width: Array
+) -> None:
     """Add up the derivatives of one chunk's pairs, each times its ``weight``.
 
     Args:
+        ts: t of each pair. [n]
         weight: Derivative of the loss by each pair's coverage. [n]
-        partials: What `evaluate` wrote. 7 x [n]
+        partials: What `differentiate` wrote. 5 x [n]
         grad_control: Gradient of the chunk's segment, added to. [4, 2]
         grad_half_width: Gradient of its half-widths, added to. [2]
     """
     real = weight.dtype.type
     one, three = real(1), real(3)
-    ts, _, uxs, uys, vxs, vys, hs = partials
+    uxs, uys, vxs, vys, hs = partials
     h0 = h1 = x0 = x1 = x2 = x3 = y0 = y1 = y2 = y3 = real(0)
     for i in range(len(ts)):
         t, w = ts[i], weight[i]

@@ -1,4 +1,4 @@
-"""Pair lists on the CPU: scan lines over each chunk, then a counting sort by pixel; drawings in parallel."""
+"""Pair lists on the CPU: scan lines over each chunk, then an index by pixel; drawings in parallel."""
 
 from __future__ import annotations
 
@@ -23,36 +23,27 @@ def find_pairs(scene: Scene, chunks: Chunks, reach: float) -> PairList:
     drawings, height, width = scene.size
     shape = (height, width)
     segment, bounds, drawing_chunks = chunks.segment.numpy(), chunks.bounds.numpy(), chunks.drawing_chunks.numpy()
-    control, half_width = scene.control.detach().numpy(), scene.half_width.detach().numpy()
-    polylines, count = np.empty((len(segment), PIECES + 1, 3), bounds.dtype), np.zeros(len(segment), np.int64)
+    curves = scene.control.detach().numpy(), scene.half_width.detach().numpy(), segment, bounds
+    count, parts = np.zeros(len(segment), np.int64), {}
 
-    def measure(part: tuple[int, int]) -> None:
-        chunk = drawing_chunks[part[0]], drawing_chunks[part[1]]
-        _polylines((control, half_width, segment, bounds), reach, chunk, polylines)
-        _count(polylines, shape, chunk, count)
+    def find(part: tuple[int, int]) -> None:
+        parts[part[0]] = _find(curves, reach, shape, (drawing_chunks[part[0]], drawing_chunks[part[1]]), count)
 
-    def fill(part: tuple[int, int]) -> None:
-        chunk = drawing_chunks[part[0]], drawing_chunks[part[1]]
-        _fill(polylines, bounds, shape, chunk, (most, x, y, t), count)
-
-    over_ranges(measure, drawings)
-    most = _starts(count)
-    x, y, t = np.empty(most[-1], np.int16), np.empty(most[-1], np.int16), np.empty(most[-1], bounds.dtype)
-    over_ranges(fill, drawings)
+    over_ranges(find, drawings)
+    x, y, t = (np.concatenate([parts[first][n] for first in sorted(parts)]) for n in range(3))
     chunk_pairs = _starts(count)
-    _compact(most, chunk_pairs, x, y, t)
-    x, y, t = (values[: chunk_pairs[-1]].copy() for values in (x, y, t))
 
-    row, found = scene.row.numpy()[segment].astype(np.int32), np.zeros(drawings, np.int64)
+    row, sizes = scene.row.numpy()[segment].astype(np.int32), np.zeros((drawings, 3), np.int64)
     active, start = np.empty(len(x), np.int64), np.empty(len(x), np.int64)
     order, order_row = np.empty(len(x), np.int32), np.empty(len(x), np.int32)
     lists, index = (drawing_chunks, chunk_pairs, row, x, y), (active, start, order, order_row)
-    over_ranges(lambda part: _index(lists, shape, part, index, found), drawings)
-    keep = _kept(chunk_pairs[drawing_chunks], found)
+    over_ranges(lambda part: _index(lists, shape, part, index, sizes), drawings)
+    keep, drawing_pixels = _kept(chunk_pairs[drawing_chunks], sizes.sum(axis=1)), _starts(sizes.sum(axis=1))
+    plain = drawing_pixels[:-1, None] + sizes.cumsum(axis=1)[:, :2]
     return PairList(
         chunks,
         *(torch.from_numpy(v) for v in (chunk_pairs, x, y, t, active[keep], np.append(start[keep], len(x)))),
-        *(torch.from_numpy(v) for v in (order, order_row, _starts(found))),
+        *(torch.from_numpy(v) for v in (order, order_row, drawing_pixels, plain)),
     )
 
 
@@ -66,10 +57,55 @@ def _kept(begin: Array, count: Array) -> Array:
 
 
 @compiled()
-def _polylines(curves: tuple[Array, Array, Array, Array], reach: float, part: tuple[int, int], out: Array) -> None:
-    """Vertices of some chunks and how far around them their pixels lie, into ``out`` [K, PIECES + 1, 3]. px"""
-    control, half_width, segment, bounds = curves
+def _find(
+    curves: tuple[Array, ...], reach: float, shape: tuple[int, int], part: tuple[int, int], count: Array
+) -> tuple[Array, Array, Array]:
+    """Column, row and t of the pixels within reach of some chunks, and how many each chunk has, into ``count``."""
+    _, _, _, bounds = curves
+    lines = np.empty((part[1] - part[0], PIECES + 1, 3), bounds.dtype)
+    room = _polylines(curves, reach, part, lines)
+    xs, ys, ts = np.empty(room, np.int16), np.empty(room, np.int16), np.empty(room, bounds.dtype)
+    squared = np.empty(room, bounds.dtype)
+    at = 0
     for k in range(part[0], part[1]):
+        line, i = lines[k - part[0]], at
+        begin, end = _lines(line, shape[0])
+        for y in range(begin, end):
+            x0, x1 = _columns(line, y, shape[1])
+            if at + x1 - x0 > len(xs):
+                room = 2 * (at + x1 - x0)
+                xs, ys, ts = _longer(xs, room), _longer(ys, room), _longer(ts, room)
+                squared = np.empty(room, bounds.dtype)
+            for x in range(x0, x1):
+                xs[at + x - x0], ys[at + x - x0] = x, y
+            at += max(0, x1 - x0)
+        candidates, at = at, i
+        _nearest(line, xs[i:candidates], ys[i:candidates], ts[i:candidates], squared[: candidates - i])
+        first, step, farthest = bounds[k, 0], bounds[k, 1] - bounds[k, 0], line[0, 2] ** 2
+        for n in range(i, candidates):
+            xs[at], ys[at], ts[at] = xs[n], ys[n], first + step * ts[n]
+            at += squared[n - i] <= farthest
+        count[k] = at - i
+    return xs[:at], ys[:at], ts[:at]
+
+
+@compiled()
+def _longer(values: Array, room: int) -> Array:
+    more = np.empty(room, values.dtype)
+    more[: len(values)] = values
+    return more
+
+
+@compiled()
+def _polylines(curves: tuple[Array, ...], reach: float, part: tuple[int, int], out: Array) -> int:
+    """Vertices of some chunks and how far around them their pixels lie, px; about how many pixels that are, at most.
+
+    Into ``out`` [K, PIECES + 1, 3].
+    """
+    control, half_width, segment, bounds = curves
+    room = 64.0
+    for n in range(part[1] - part[0]):
+        k = part[0] + n
         p, h = control[segment[k]], half_width[segment[k]]
         widest = 0.0
         for j in range(PIECES + 1):
@@ -77,9 +113,12 @@ def _polylines(curves: tuple[Array, Array, Array, Array], reach: float, part: tu
             s = 1 - t
             b0, b1, b2, b3 = s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t
             for axis in range(2):
-                out[k, j, axis] = b0 * p[0, axis] + b1 * p[1, axis] + b2 * p[2, axis] + b3 * p[3, axis]
+                out[n, j, axis] = b0 * p[0, axis] + b1 * p[1, axis] + b2 * p[2, axis] + b3 * p[3, axis]
             widest = max(widest, s * h[0] + t * h[1])
-        out[k, :, 2] = widest + reach + SAG
+        out[n, :, 2] = widest + reach + SAG
+        length = np.abs(out[n, 1:, :2] - out[n, :-1, :2]).sum()
+        room += min(length + 2 * out[n, 0, 2] + 2, 200.0) * (2 * out[n, 0, 2] + 2)
+    return int(room)
 
 
 @compiled(inline=True)
@@ -122,43 +161,6 @@ def _columns(polyline: Array, y: int, width: int) -> tuple[int, int]:
     return int(max(0.0, np.ceil(left - 0.5))), int(min(width - 1.0, np.floor(right - 0.5))) + 1
 
 
-@compiled()
-def _count(polylines: Array, shape: tuple[int, int], part: tuple[int, int], count: Array) -> None:
-    """The most pixels that some chunks can reach, into ``count`` [K]."""
-    for k in range(part[0], part[1]):
-        begin, end = _lines(polylines[k], shape[0])
-        total = 0
-        for y in range(begin, end):
-            x0, x1 = _columns(polylines[k], y, shape[1])
-            total += max(0, x1 - x0)
-        count[k] = total
-
-
-@compiled()
-def _fill(
-    polylines: Array, bounds: Array, shape: tuple[int, int], part: tuple[int, int], out: tuple[Array, ...], count: Array
-) -> None:
-    """Write the pixels within reach of some chunks, of each from its ``most`` on, and how many there are."""
-    most, xs, ys, ts = out
-    for k in range(part[0], part[1]):
-        line, at = polylines[k], most[k]
-        begin, end = _lines(line, shape[0])
-        for y in range(begin, end):
-            x0, x1 = _columns(line, y, shape[1])
-            for x in range(x0, x1):
-                xs[at], ys[at] = x, y
-                at += 1
-        i, j = most[k], at
-        squared = np.empty(j - i, line.dtype)
-        _nearest(line, xs[i:j], ys[i:j], ts[i:j], squared)
-        first, step = bounds[k, 0], bounds[k, 1] - bounds[k, 0]
-        farthest, at = line[0, 2] ** 2, i
-        for n in range(j - i):
-            xs[at], ys[at], ts[at] = xs[i + n], ys[i + n], first + step * ts[i + n]
-            at += squared[n] <= farthest
-        count[k] = at - i
-
-
 @compiled(fastmath=True)
 def _nearest(line: Array, columns: Array, rows: Array, along: Array, squared: Array) -> None:
     """Squared distance of pixels to a polyline, px², and how far along it the nearest points lie, in [0, 1]."""
@@ -179,45 +181,77 @@ def _nearest(line: Array, columns: Array, rows: Array, along: Array, squared: Ar
 
 
 @compiled()
-def _compact(most: Array, starts: Array, x: Array, y: Array, t: Array) -> None:
-    """Close the gaps between the chunks' pairs, in place."""
-    for k in range(len(starts) - 1):
-        for i in range(starts[k + 1] - starts[k]):
-            x[starts[k] + i] = x[most[k] + i]
-            y[starts[k] + i] = y[most[k] + i]
-            t[starts[k] + i] = t[most[k] + i]
+def _index(
+    lists: tuple[Array, ...], shape: tuple[int, int], part: tuple[int, int], out: tuple[Array, ...], sizes: Array
+) -> None:
+    """Sort the pairs of some drawings by pixel, keeping the chunks' order; how many pixels of each kind there are.
+
+    The active pixels of a drawing are written from its first pair's place on. Nothing here costs more on a larger page.
+    """
+    drawing_chunks, chunk_pairs, row, _, _ = lists
+    active, start, order, order_row = out
+    width = shape[1]
+    place_of = np.zeros(shape[0] * width, np.int32)  # of a pixel, from 1 on
+    most = 0
+    for d in range(part[0], part[1]):
+        most = max(most, chunk_pairs[drawing_chunks[d + 1]] - chunk_pairs[drawing_chunks[d]])
+    found, place = np.empty((4, most), np.int32), np.empty(most, np.int32)
+    for d in range(part[0], part[1]):
+        k0, k1 = drawing_chunks[d], drawing_chunks[d + 1]
+        i0 = chunk_pairs[k0]
+        pixels = _pixels(lists, width, (k0, k1), place_of, found, place)
+        _arrange(found[:, :pixels], (i0, d * shape[0] * width), active, start, sizes[d])
+        free = found[1]
+        for k in range(k0, k1):
+            for i in range(chunk_pairs[k], chunk_pairs[k + 1]):
+                slot = free[place[i - i0]]
+                free[place[i - i0]] += 1
+                order[i0 + slot], order_row[i0 + slot] = i, row[k]
+        for a in range(pixels):
+            place_of[found[0, a]] = 0
 
 
 @compiled()
-def _index(
-    lists: tuple[Array, ...], shape: tuple[int, int], part: tuple[int, int], out: tuple[Array, ...], found: Array
-) -> None:
-    """Sort the pairs of some drawings by pixel, keeping the chunks' order; how many pixels each drawing has.
+def _pixels(
+    lists: tuple[Array, ...], width: int, chunks: tuple[int, int], place_of: Array, found: Array, place: Array
+) -> int:
+    """Number the pixels of a drawing as its pairs come to them, and each pair with its pixel's number.
 
-    The active pixels of a drawing are written from its first pair's place on.
+    Into ``found``: pixel, pairs, kind (0 with a single pair, 1 with two of one row, 2 with others), last row.
     """
-    drawing_chunks, chunk_pairs, row, x, y = lists
-    active, start, order, order_row = out
-    height, width = shape
-    next_free = np.zeros(height * width, np.int32)
-    for d in range(part[0], part[1]):
-        k0, k1 = drawing_chunks[d], drawing_chunks[d + 1]
-        i0, i1 = chunk_pairs[k0], chunk_pairs[k1]
-        top, bottom = height, 0
-        for i in range(i0, i1):
-            top, bottom = min(top, y[i]), max(bottom, y[i] + 1)
-            next_free[y[i] * width + x[i]] += 1
-        at, a = i0, i0
-        for pixel in range(top * width, bottom * width):
-            if next_free[pixel] > 0:
-                active[a], start[a] = np.int64(d) * (height * width) + pixel, at
-                at, next_free[pixel] = at + next_free[pixel], at
-                a += 1
-        for k in range(k0, k1):
-            for i in range(chunk_pairs[k], chunk_pairs[k + 1]):
-                pixel = y[i] * width + x[i]
-                slot = next_free[pixel]
-                order[slot], order_row[slot] = i, row[k]
-                next_free[pixel] = slot + 1
-        found[d] = a - i0
-        next_free[top * width : bottom * width] = 0
+    _, chunk_pairs, row, xs, ys = lists
+    pixel_of, pairs, kind, last = found[0], found[1], found[2], found[3]
+    i0, count = chunk_pairs[chunks[0]], 0
+    for k in range(chunks[0], chunks[1]):
+        for i in range(chunk_pairs[k], chunk_pairs[k + 1]):
+            pixel = np.int64(ys[i]) * width + xs[i]
+            a = place_of[pixel] - 1
+            if a < 0:
+                a = count
+                count += 1
+                place_of[pixel] = count
+                pixel_of[a], pairs[a], kind[a] = pixel, 1, 0
+            else:
+                pairs[a] += 1
+                kind[a] = 1 if (kind[a] == 0) & (last[a] == row[k]) else 2
+            last[a] = row[k]
+            place[i - i0] = a
+    return count
+
+
+@compiled()
+def _arrange(found: Array, origin: tuple[int, int], active: Array, start: Array, sizes: Array) -> None:
+    """Write the pixels of a drawing and where their pairs begin, kind by kind; pairs give way to their free place."""
+    pairs = np.zeros(3, np.int64)
+    for a in range(found.shape[1]):
+        sizes[found[2, a]] += 1
+        pairs[found[2, a]] += found[1, a]
+    at_pixel = np.array([0, sizes[0], sizes[0] + sizes[1]])
+    at_pair = np.array([0, pairs[0], pairs[0] + pairs[1]])
+    for a in range(found.shape[1]):
+        kind, count = found[2, a], found[1, a]
+        active[origin[0] + at_pixel[kind]] = origin[1] + found[0, a]
+        start[origin[0] + at_pixel[kind]] = origin[0] + at_pair[kind]
+        found[1, a] = at_pair[kind]
+        at_pixel[kind] += 1
+        at_pair[kind] += count

@@ -61,11 +61,13 @@ class PairList:
         x: Column of each pair's pixel. int16 [N]
         y: Row of each pair's pixel. int16 [N]
         t: Parameter of the chunk's point nearest to the pixel's centre. [N]
-        active: Pixels with at least one pair, as drawing * H * W + y * W + x, ascending. int64 [A]
+        active: Pixels with at least one pair, as drawing * H * W + y * W + x; of each drawing first those with a single
+            pair, then those with two of one row, then the others, each lot by first pair. int64 [A]
         start: Where each active pixel's pairs begin in ``order``, then N. int64 [A+1]
         order: Pairs by active pixel, lower rows first. int32 [N]
         order_row: Row of each pair in ``order``. int32 [N]
         drawing_pixels: Active pixel at which each drawing begins, then A. int64 [D+1]
+        plain: One after each drawing's last active pixel with a single pair, and with two of one row. int64 [D, 2]
     """
 
     chunks: Chunks
@@ -78,6 +80,7 @@ class PairList:
     order: Tensor
     order_row: Tensor
     drawing_pixels: Tensor
+    plain: Tensor
 
     def __len__(self) -> int:
         """N."""

@@ -67,18 +67,33 @@ def _index(scene: Scene, chunks: Chunks, chunk: Tensor, x: Tensor, y: Tensor, t:
     flat = (scene.drawing[row] * height + y) * width + x
     order = torch.argsort(flat, stable=True)
     active, count = torch.unique_consecutive(flat[order], return_counts=True)
-    start = torch.cat([count.new_zeros(1), count.cumsum(0)])
-    pages = torch.arange(drawings + 1, device=flat.device) * (height * width)
+    before = count.cumsum(0) - count
+    lot = active // (height * width) * 3 + _kind(row[order], before, count)
+    pixels = torch.argsort(lot * max(len(order), 1) + order[before])
+    count, start = count[pixels], torch.cat([count.new_zeros(1), count[pixels].cumsum(0)])
+    order = order[
+        torch.repeat_interleave(before[pixels] - start[:-1], count) + torch.arange(len(order), device=x.device)
+    ]
     chunk_counts = torch.bincount(chunk, minlength=len(chunks.segment))
+    lots = torch.bincount(lot, minlength=3 * drawings).cumsum(0).view(drawings, 3)
     return PairList(
         chunks=chunks,
         chunk_pairs=torch.cat([chunk_counts.new_zeros(1), chunk_counts.cumsum(0)]),
         x=x.to(torch.int16),
         y=y.to(torch.int16),
         t=t,
-        active=active,
+        active=active[pixels],
         start=start,
         order=order.to(torch.int32),
         order_row=row[order].to(torch.int32),
-        drawing_pixels=torch.searchsorted(active, pages),
+        drawing_pixels=torch.cat([lots.new_zeros(1), lots[:, 2]]),
+        plain=lots[:, :2].contiguous(),
     )
+
+
+def _kind(row: Tensor, begin: Tensor, count: Tensor) -> Tensor:
+    """0 for pixels with a single pair, 1 for those with two of one row, 2 for the others."""
+    if not len(row):
+        return torch.zeros_like(begin)
+    second = row[(begin + 1).clamp(max=len(row) - 1)]
+    return torch.where(count == 1, 0, torch.where((count == 2) & (row[begin] == second), 1, 2))
