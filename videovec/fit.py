@@ -147,7 +147,13 @@ def draw_coverage(strokes: Strokes, size: tuple[int, ...], backend: Backend) -> 
 
 def _schedule(settings: FitSettings, drawings: int) -> Schedule:
     if drawings == 1:
-        return Schedule(settings.steps, scale=settings.scale, opacity_rate=settings.opacity_rate, floor=0.01)
+        return Schedule(
+            settings.steps,
+            scale=settings.scale,
+            opacity_rate=settings.opacity_rate,
+            floor=0.01,
+            is_newton=True,
+        )
     return Schedule(steps=settings.joint_steps, rate=0.15, scale=1.5)
 
 

@@ -11,7 +11,7 @@ from videovec.render.pairs import PairList
 from videovec.render.scene import Scene
 from videovec.threads import over_ranges
 
-__all__ = ["CoverageMatch", "coverage_loss_and_gradients"]
+__all__ = ["CoverageMatch", "NormalEquations", "coverage_loss_and_gradients", "coverage_normal_equations"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,6 +33,46 @@ class CoverageMatch:
     half_width: Tensor
     interval: Tensor
     opacity: Tensor
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NormalEquations:
+    """How well the union of all rows matches ink coverage, and how that bends with the unknowns of each segment.
+
+    A segment's unknowns: x, y and half-width of its first joint; x, y of both handles; x, y, half-width of its last.
+
+    Args:
+        loss: Sum of squared residuals of each drawing's active pixels. float64 [D]
+        gradient: Of the whole loss. [G, 10]
+        matrix: Its second derivative as Gauss and Newton have it, without what couples segments; the upper triangle.
+            [G, 10, 10]
+    """
+
+    loss: Tensor
+    gradient: Tensor
+    matrix: Tensor
+
+
+def coverage_normal_equations(scene: Scene, pairs: PairList, scale: float, target: Tensor) -> NormalEquations:
+    """Set up the least-squares problem that a fit is, around where the strokes are; on the CPU alone.
+
+    Args:
+        scene: The strokes; its colours are not read.
+        pairs: Its pair list, whose ``t`` is improved in place.
+        scale: Width of the kernel in pixels.
+        target: Ink coverage, 255 is full. uint8 [D, H, W]
+    """
+    from videovec.render.numba_backend import arrays_of
+    from videovec.render.numba_normal import UNKNOWNS, normal_drawings
+
+    segments, real = len(scene.control), scene.control.dtype
+    loss = torch.zeros(scene.size[0], dtype=torch.float64)
+    gradient = torch.zeros(segments, UNKNOWNS, dtype=real)
+    matrix = torch.zeros(segments, UNKNOWNS, UNKNOWNS, dtype=real)
+    arrays, wanted = arrays_of(scene, pairs), target.reshape(-1).numpy()
+    out = loss.numpy(), gradient.numpy(), matrix.numpy()
+    over_ranges(lambda drawings: normal_drawings(arrays, drawings, scale, wanted, out), scene.size[0])
+    return NormalEquations(loss, gradient, matrix)
 
 
 def coverage_loss_and_gradients(

@@ -18,7 +18,7 @@ from videovec.render.numba_kernels import PARTIALS, accumulate, at_parameter, co
 from videovec.render.pairs import PairList
 from videovec.render.scene import Scene
 
-__all__ = ["Arrays", "arrays_of", "cover", "gather", "most_on_pixel", "most_pairs", "stack"]
+__all__ = ["Arrays", "arrays_of", "cover", "gather", "most_on_pixel", "most_pairs", "scratch_of", "slopes_of", "stack"]
 
 Array = NDArray[Any]
 
@@ -121,32 +121,61 @@ def cover(a: Arrays, scale: float, drawing: int, coverage: Array) -> None:
 @compiled()
 def gather(a: Arrays, scale: float, drawing: int, weight: Array, grads: tuple[Array, Array, Array]) -> None:
     """Third pass: gradients of control points, half-widths and visible intervals, from the pairs that have a weight."""
-    first, most = a.chunk_pairs[a.drawing_chunks[drawing]], 0
-    for chunk in range(a.drawing_chunks[drawing], a.drawing_chunks[drawing + 1]):
-        most = max(most, a.chunk_pairs[chunk + 1] - a.chunk_pairs[chunk])
-    place, scratch = np.empty(most, np.int64), np.zeros((PARTIALS + 4, most + LANES), weight.dtype)
+    first, (place, scratch) = a.chunk_pairs[a.drawing_chunks[drawing]], scratch_of(a, drawing)
     grad_control, grad_half_width, grad_interval = grads
     for chunk in range(a.drawing_chunks[drawing], a.drawing_chunks[drawing + 1]):
-        i, j = a.chunk_pairs[chunk], a.chunk_pairs[chunk + 1]
-        visible, is_first, is_last = _visible(a, chunk)
-        count = _weighty(weight[i - first : j - first], place)
-        if count == 0 or not visible[1] > visible[0]:
+        i, j, g = a.chunk_pairs[chunk], a.chunk_pairs[chunk + 1], a.segment[chunk]
+        count, (t, w), partials = slopes_of(a, scale, chunk, weight[i - first : j - first], place, scratch)
+        if count == 0:
             continue
-        full = (count + LANES - 1) // LANES * LANES
-        x, y, t, w = scratch[0, :full], scratch[1, :full], scratch[2, :full], scratch[3, :full]
-        for n in range(count):
-            at = i + place[n]
-            x[n], y[n], t[n], w[n] = a.x[at], a.y[at], a.t[at], weight[at - first]
-        x[count:], y[count:], t[count:], w[count:] = x[0], y[0], t[0], 0
-        g = a.segment[chunk]
-        curve = a.control[g], a.half_width[g]
-        partials = _rows_of(scratch, full)
-        differentiate(curve, visible, scale, (x, y, t), partials)
         accumulate(t, w, partials, grad_control[g], grad_half_width[g])
+        visible, is_first, is_last = _visible(a, chunk)
+        curve = a.control[g], a.half_width[g]
         if is_first:
             grad_interval[g, 0] += _end_gradient(curve, visible[0], (t, w), partials)
         if is_last:
             grad_interval[g, 1] += _end_gradient(curve, visible[1], (t, w), partials)
+
+
+@compiled()
+def scratch_of(a: Arrays, drawing: int) -> tuple[Array, Array]:
+    """Room for what `slopes_of` writes about any chunk of a drawing."""
+    most = 0
+    for chunk in range(a.drawing_chunks[drawing], a.drawing_chunks[drawing + 1]):
+        most = max(most, a.chunk_pairs[chunk + 1] - a.chunk_pairs[chunk])
+    return np.empty(most, np.int64), np.zeros((PARTIALS + 4, most + LANES), a.control.dtype)
+
+
+@compiled()
+def slopes_of(
+    a: Arrays, scale: float, chunk: int, weight: Array, place: Array, scratch: Array
+) -> tuple[int, tuple[Array, Array], tuple[Array, ...]]:
+    """The partials of those pairs of a chunk that have a weight.
+
+    Args:
+        a: Scene and pairs.
+        scale: Side of the kernel. px
+        chunk: Which one.
+        weight: Of each of its pairs.
+        place: Receives where the pairs with a weight are among the chunk's.
+        scratch: Where the results lie.
+
+    Returns:
+        How many there are; t and weight, and partials, of these and of pairs without weight that fill up the lanes.
+    """
+    visible, _, _ = _visible(a, chunk)
+    count = _weighty(weight, place) if visible[1] > visible[0] else 0
+    full = (count + LANES - 1) // LANES * LANES
+    x, y, t, w = scratch[0, :full], scratch[1, :full], scratch[2, :full], scratch[3, :full]
+    partials = _rows_of(scratch, full)
+    if count > 0:
+        for n in range(count):
+            at = a.chunk_pairs[chunk] + place[n]
+            x[n], y[n], t[n], w[n] = a.x[at], a.y[at], a.t[at], weight[place[n]]
+        x[count:], y[count:], t[count:], w[count:] = x[0], y[0], t[0], 0
+        g = a.segment[chunk]
+        differentiate((a.control[g], a.half_width[g]), visible, scale, (x, y, t), partials)
+    return count, (t, w), partials
 
 
 @compiled()
