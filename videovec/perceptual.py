@@ -136,9 +136,9 @@ class PerceptualTerm:
             part = slice(int(pairs.drawing_pixels[drawing]), int(pairs.drawing_pixels[drawing + 1]))
             pixels = pairs.active[part] - drawing * height * width
             covered = value[part].detach().float().requires_grad_()
-            page = covered.new_zeros(height * width).index_put((pixels,), covered)
-            seen = self._seen(drawing, page)
+            seen = self._seen(drawing, covered.detach())
             with torch.enable_grad():
+                page = covered.new_zeros(height * width).index_put((pixels,), covered)
                 loss = self._network.between(self._network.features(_as_image(page.view(height, width))), seen).sum()
                 if len(covered):
                     slopes[part] = torch.autograd.grad(loss, covered)[0].to(value)
@@ -151,7 +151,7 @@ class PerceptualTerm:
             return self._kept[drawing]
         with torch.no_grad():
             seen = self._network.features(_as_image(self._target[drawing].to(like) / 255))
-        if len(self._kept) * like.numel() < KEPT_PIXELS:
+        if len(self._kept) * self._target[0].numel() < KEPT_PIXELS:
             self._kept[drawing] = seen
         return seen
 
