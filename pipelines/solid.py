@@ -22,6 +22,7 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     begun = first_strokes(ink, seed, config)
     first = fit(ink.at_drawing(seed), begun, start_settings(config), config.render, progress)
     carried = propagate(ink, first.strokes.shifted(seed), config.propagate, trace, progress)
-    carried = vote(ink, carried, seed, trace, progress)
+    if not config.initialise.reference:  # an artist's strokes stay as they were drawn
+        carried = vote(ink, carried, seed, trace, progress)
     result = fit(ink, carried.strokes, config.fit, config.render, progress)
     return StrokeTracks.of(clip, ink, result, carried.events)
