@@ -211,7 +211,7 @@ def report_movies(arguments: argparse.Namespace) -> None:
         true = len({stroke.id for drawing in known.truth for stroke in drawing})
         print(
             f"| {name} | {true} / {len(fitted.strokes)} | {share_right(known, fitted.strokes):.3f} | {score.idf1:.3f} "
-            f"| {score.full_life:.2f} | {median:.1f} / {most:.1f} | {np.mean(ends <= 3.0):.2f} "
+            f"| {score.full_life:.2f} | {median:.1f} / {most:.1f} | {np.mean(ends[np.isfinite(ends)] <= 3.0):.2f} "
             f"| {hidden_known(known, fitted.strokes):.3f} | {np.median(fitted.psnr):.1f} / {fitted.psnr.min():.1f} "
             f"| {seconds:.2f} |",
             flush=True,
