@@ -3,11 +3,12 @@
 from functools import partial
 
 from videovec.clip import Clip
-from videovec.fit import fit
+from videovec.fit import fit, judge
 from videovec.initialise import initialise
 from videovec.ink import extract_ink
 from videovec.progress import Progress
 from videovec.propagate import propagate
+from videovec.render import resolve_backend
 from videovec.settings import Config
 from videovec.start import first_strokes, start_drawing, start_settings
 from videovec.tracks import StrokeTracks
@@ -24,5 +25,8 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     carried = propagate(ink, first.strokes.shifted(seed), config.propagate, trace, progress)
     if not config.initialise.reference:  # an artist's strokes stay as they were drawn
         carried = vote(ink, carried, seed, trace, progress)
-    result = fit(ink, carried.strokes, config.fit, config.render, progress)
+    if ink.drawing_count > 1:
+        result = fit(ink, carried.strokes, config.fit, config.render, progress)
+    else:  # it was fitted already
+        result = judge(ink, carried.strokes, resolve_backend(config.render))
     return StrokeTracks.of(clip, ink, result, carried.events)

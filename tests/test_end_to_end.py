@@ -193,3 +193,27 @@ def test_a_blank_page_is_told_in_one_line(tmp_path: Path, shape: tuple[int, int]
     with pytest.raises(videovec.UserError) as error:
         run(tmp_path / "blank.png", tmp_path / "out")
     assert "\n" not in str(error.value)
+
+
+class Stages:
+    """Keeps which stages there were."""
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+
+    def stage(self, name: str, total: int) -> None:
+        self.names.append(name)
+
+    def advance(self, count: int = 1) -> None:
+        pass
+
+    def note(self, text: str) -> None:
+        pass
+
+
+def test_a_still_is_fitted_once(tmp_path: Path) -> None:
+    iio.imwrite(tmp_path / "still.png", draw_frames(1)[0])
+    stages = Stages()
+    tracks = videovec.track(tmp_path / "still.png", progress=stages)
+    assert stages.names.count("fit") == 1
+    assert len(tracks.strokes) == 2
