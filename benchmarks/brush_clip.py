@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from videovec.brush import BrushFit, apply_brush, fit_brush
 from videovec.brush.coordinates import sample_rows
-from videovec.brush.model import stroke_joints
 from videovec.brush.strips import TEXELS_PER_WIDTH
+from videovec.brushwork import stroke_joints
 from videovec.curves import sample_by_arc
 from videovec.ink import Ink
 from videovec.metrics import psnr

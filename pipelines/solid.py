@@ -2,6 +2,7 @@
 
 from functools import partial
 
+from videovec.brush import propose_textured
 from videovec.clip import Clip
 from videovec.fit import fit, judge
 from videovec.initialise import initialise
@@ -18,6 +19,7 @@ from videovec.vote import vote
 def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     """Vectorise a clip whose lines are solid."""
     ink = extract_ink(clip, config.ink, progress)
+    propose_textured(ink, progress)
     trace = partial(initialise, settings=config.initialise)
     seed = start_drawing(clip, config.initialise)
     begun = first_strokes(ink, seed, config)

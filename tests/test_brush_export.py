@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-from videovec.brush import Brush, BrushModel, Laying, apply_brush, export_brush, load_brush, solid_strokes
+from videovec.brush import Brush, BrushModel, Brushwork, Laying, apply_brush, export_brush, load_brush, solid_strokes
 from videovec.brush.apply import mean_ink
 from videovec.brush.export_gimp import CELL, dab_cells
 from videovec.errors import FitError, InputError
@@ -157,8 +157,8 @@ def test_the_same_seed_draws_the_same_and_another_does_not(brush: Brush) -> None
 def test_solid_strokes_hold_as_much_ink_as_textured_ones(brush: Brush) -> None:
     curve = np.stack([np.linspace(10, 190, 4), np.full(4, 25.0)], axis=1)
     strokes = Strokes.from_curves([curve], [np.full(2, 5.0)])
-    laying = Laying(np.ones(1), np.zeros(2), np.array([0.5, 0.9]))
+    laying = Laying(np.ones(1), np.zeros(2), np.array([0.5, 0.9]), np.zeros(1))
     textured = (1 - apply_brush(brush, strokes, (50, 200), laying)[..., 0]).sum()
-    plain = solid_strokes(brush, strokes, laying)
+    plain = solid_strokes(Brushwork((brush,), np.zeros(1, np.intp), laying), strokes)
     assert plain.opacity[0] * 180 * 10 == pytest.approx(textured, rel=0.12)
     assert 0 < mean_ink(brush) < 1

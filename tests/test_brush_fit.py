@@ -191,7 +191,7 @@ def _with(tensors: BrushTensors, name: str, value: torch.Tensor) -> BrushTensors
     return replace(tensors, **changed)
 
 
-@pytest.mark.parametrize("name", ["points", "half_width", "density", "phase", "strip"])
+@pytest.mark.parametrize("name", ["points", "half_width", "density", "phase", "shift", "strip"])
 def test_gradients_of_painting_match_finite_differences(name: str) -> None:
     rng = np.random.default_rng(6)
     curve = np.array([[6.0, 20], [14, 8], [26, 30], [34, 18]])
@@ -209,7 +209,7 @@ def test_gradients_of_painting_match_finite_differences(name: str) -> None:
     start = BrushTensors.of(strokes, laying, brush)
     start = BrushTensors(
         start.points.double(), start.half_width.double(), start.density.double(), start.phase.double(),
-        start.strip.double(), start.width, start.repeat,
+        start.shift.double(), start.strip.double(), start.width, start.repeat,
     )  # fmt: skip
 
     def coverage(value: torch.Tensor) -> torch.Tensor:

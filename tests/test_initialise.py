@@ -72,6 +72,14 @@ WAVE = np.array([(20, 60), (45, 10), (80, 110), (108, 64)], float)
 GENTLE = np.array([(17, 66), (45, 40), (80, 85), (111, 60)], float)
 
 
+def test_a_dot_of_one_ink_among_lines_of_another_is_a_dot() -> None:
+    dot, line = paint([straight((40, 40), (40, 40))], 8.0), paint([straight((20, 90), (110, 90))], 4.0)
+    label = (line > dot).astype(np.uint8)
+    strokes = initialise(Ink((dot | line)[None], label[None], np.eye(3)[:2], np.ones(3), 0.0), 0, SETTINGS)
+    assert len(strokes) == 2
+    assert strokes.points_of(0).mean(0) == pytest.approx([40, 40], abs=0.1)
+
+
 @pytest.mark.parametrize("width", [0.25, 0.6, 1.0, 1.5, 3.0, 6.0, 12.0, 24.0])
 def test_a_line_of_any_width_is_one_stroke_of_that_width(width: float) -> None:
     strokes = initialise(ink(paint([GENTLE], width)), 0, SETTINGS)

@@ -16,7 +16,7 @@ ORDER = (
     ("settings", "stopwatch"),
     ("config", "clip", "files"),
     ("events", "curves", "strokes"),
-    ("stroke_shape", "stroke_life"),
+    ("stroke_shape", "stroke_life", "brushwork"),
     ("life_edits",),
     ("decode_frame",),
     ("decode_holds", "decode_images", "decode_video"),

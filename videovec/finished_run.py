@@ -103,10 +103,14 @@ class FinishedRun:
             ConfigError: A format or setting does not exist.
             OutputError: The folder cannot be written to.
         """
-        config = self.config(overrides)
+        config, tracks = self.config(overrides), self.tracks()
+        if tuple(formats) == ("brush",) and tracks.brushwork is None:
+            raise ConfigError(
+                f"{self.folder.path} has no brush: its lines were fitted as solid; run it with --preset textured"
+            )
         clip = self.clip(progress) if {"preview", "report"} & set(formats) else None
         target = out or self.folder.path
-        written = export(self.tracks(), clip, target, config.export, formats, progress)
+        written = export(tracks, clip, target, config.export, formats, progress)
         if target == self.folder.path:
             names = {path.relative_to(target).as_posix() for path in written}
             outputs = tuple(sorted(names | set(self.record.outputs)))

@@ -23,7 +23,7 @@ from videovec.settings import FitSettings, RenderSettings, Weights
 from videovec.strokes import Strokes
 from videovec.temporal import Neighbours, acceleration, anchor, rigidity, width_change
 
-__all__ = ["FitResult", "Pin", "draw_coverage", "fit", "judge"]
+__all__ = ["FitResult", "Pin", "compare", "draw_coverage", "fit", "judge"]
 
 Pin = tuple[int, int]
 """The identity of a stroke, and a drawing."""
@@ -114,7 +114,17 @@ def judge(ink: Ink, strokes: Strokes, backend: Backend) -> FitResult:
     Returns:
         The strokes as they are, their evidence, and the error of every drawing.
     """
-    drawn = draw_coverage(strokes, ink.coverage.shape, backend)
+    return compare(ink, strokes, draw_coverage(strokes, ink.coverage.shape, backend))
+
+
+def compare(ink: Ink, strokes: Strokes, drawn: NDArray[np.uint8]) -> FitResult:
+    """Compare what strokes draw with the ink, drawing by drawing.
+
+    Args:
+        ink: What is drawn.
+        strokes: What is said to be drawn.
+        drawn: What they draw: coverage, 255 is full. uint8 [D, H, W]
+    """
     squared = [
         np.mean((a.astype(np.float32) - b.astype(np.float32)) ** 2) / 255**2
         for a, b in zip(ink.coverage, drawn, strict=True)

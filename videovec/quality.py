@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.brush import draw_brushwork
 from videovec.clip import Clip
 from videovec.picture import render_strokes
 from videovec.progress import Progress, Silent
 from videovec.settings import RenderSettings
 from videovec.tracks import StrokeTracks
 
-__all__ = ["Quality", "measure"]
+__all__ = ["Quality", "draw_tracks", "measure"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,10 +48,20 @@ def measure(
     psnr, error = np.zeros(len(clip.drawings)), np.zeros(len(clip.drawings))
     for drawing, source in enumerate(clip.drawings):
         seen = source.astype(np.float32) / np.iinfo(source.dtype).max
-        drawn = render_strokes(tracks.strokes, clip.size, drawing, tracks.page, settings)
+        drawn = draw_tracks(tracks, drawing, settings)
         ours = float(np.mean((drawn - seen) ** 2, dtype=float))
         empty = float(np.mean((tracks.page - seen) ** 2, dtype=float))
         psnr[drawing] = -10 * np.log10(max(ours, 1e-10))
         error[drawing] = np.sqrt(ours / max(empty, 1e-10))
         progress.advance()
     return Quality(psnr, error)
+
+
+def draw_tracks(
+    tracks: StrokeTracks, drawing: int, settings: RenderSettings | None = None
+) -> NDArray[np.floating[Any]]:
+    """The picture of a drawing's strokes, with their texture if they have one. sRGB [H, W, 3] in [0, 1]"""
+    if tracks.brushwork is None:
+        return render_strokes(tracks.strokes, tracks.size, drawing, tracks.page, settings)
+    alone = tracks.strokes.at_drawing(drawing, as_drawing=0)
+    return draw_brushwork(tracks.brushwork.at_drawing(tracks.strokes.layout, drawing), alone, tracks.size, tracks.page)

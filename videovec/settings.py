@@ -179,6 +179,8 @@ class BrushSettings:
     """A brush that is known, a file of an earlier run; empty learns one."""
     model: Annotated[str, OneOf(("auto", "profile", "texture", "grain"))] = "auto"
     """What the brush is taken for: auto, profile, texture or grain."""
+    share: Annotated[str, OneOf(("clip", "ink"))] = "clip"
+    """Who shares a brush: clip, all strokes; ink, those of one colour."""
     profile_steps: Annotated[int, Between(0)] = 150
     """Optimiser updates of strokes with a profile."""
     texture_steps: Annotated[int, Between(0)] = 200
@@ -211,6 +213,8 @@ class ExportSettings:
     """How far a reduced keyframe curve may lie from the fitted one. px"""
     lottie_decimals: Annotated[int, Between(0, 6)] = 2
     """Decimals of a coordinate."""
+    texture: Annotated[str, OneOf(("mean", "image"))] = "mean"
+    """How SVG frames and Lottie show textured strokes: mean, even ink of the same density; image, embedded pixels."""
     lottie_smooth: bool = False
     """Move evenly through held drawings instead of stepping from one to the next as the source does."""
 

@@ -10,6 +10,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.brushwork import Brush, BrushModel, Brushwork, Laying
 from videovec.clip import Timeline
 from videovec.errors import InputError
 from videovec.events import Event, EventKind
@@ -17,10 +18,12 @@ from videovec.strokes import Layout, Strokes
 
 __all__ = [
     "pack",
+    "pack_brushwork",
     "pack_events",
     "pack_strokes",
     "pack_timeline",
     "unpack",
+    "unpack_brushwork",
     "unpack_events",
     "unpack_strokes",
     "unpack_timeline",
@@ -30,6 +33,7 @@ _VERSION = 1
 
 Arrays = dict[str, NDArray[np.generic]]
 
+_LAYING_FIELDS = ("sign", "phase", "density", "shift")
 _STROKE_FIELDS = ("ids", "is_closed", "layer", "color", "points", "half_width", "opacity", "visible")
 _LAYOUT_FIELDS = ("segments", "first", "last")
 
@@ -124,3 +128,32 @@ def unpack_events(arrays: Arrays) -> tuple[Event, ...]:
             zip(arrays["event_kind"], arrays["event_drawing"], arrays["event_score"], strict=True)
         )
     )
+
+
+def pack_brushwork(brushwork: Brushwork | None) -> Arrays:
+    """Brushes and how they were laid as arrays; none for solid strokes."""
+    if brushwork is None:
+        return {}
+    brushes, laying = brushwork.brushes, brushwork.laying
+    arrays: Arrays = {f"brush_{k}_strip": brush.strip for k, brush in enumerate(brushes)}
+    return arrays | {
+        "brush_name": np.array([brush.name for brush in brushes]),
+        "brush_model": np.array([brush.model.value for brush in brushes]),
+        "brush_width": np.array([brush.width for brush in brushes]),
+        "brush_repeat": np.array([brush.repeat for brush in brushes]),
+        "brush_chosen": brushwork.chosen.astype(np.int64),
+        **{f"brush_{name}": getattr(laying, name) for name in _LAYING_FIELDS},
+    }
+
+
+def unpack_brushwork(arrays: Arrays) -> Brushwork | None:
+    """The brushwork that :func:`pack_brushwork` took."""
+    if "brush_name" not in arrays:
+        return None
+    fields = ("name", "model", "width", "repeat")
+    brushes = tuple(
+        Brush(str(name), BrushModel(str(model)), arrays[f"brush_{k}_strip"].astype(np.float64), float(width), float(u))
+        for k, (name, model, width, u) in enumerate(zip(*(arrays[f"brush_{field}"] for field in fields), strict=True))
+    )
+    laying = Laying(*(arrays[f"brush_{name}"].astype(np.float64) for name in _LAYING_FIELDS))
+    return Brushwork(brushes, arrays["brush_chosen"].astype(np.intp), laying)

@@ -115,9 +115,12 @@ def _with(tracks: StrokeTracks, changed: dict[int, Sequence[StrokeTrack]], event
     every = [one for track in tracks for one in changed.get(track.id, [track])]
     events = sorted([*tracks.events, *([event] if event else [])], key=lambda one: one.drawing)
     nothing = [np.zeros(0)]
+    strokes = Strokes.concatenate([track.stroke.as_strokes() for track in every])
+    brushwork = tracks.brushwork
     return replace(
         tracks,
-        strokes=Strokes.concatenate([track.stroke.as_strokes() for track in every]),
+        strokes=strokes,
+        brushwork=None if brushwork is None else brushwork.carried_to(tracks.strokes, strokes),
         events=tuple(events),
         error=np.concatenate([*nothing, *(track.error for track in every)]),
         confidence=np.concatenate([*nothing, *(track.confidence for track in every)]),

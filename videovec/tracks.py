@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from videovec import track_edits, track_layouts
+from videovec.brushwork import Brushwork
 from videovec.clip import Clip, Timeline
 from videovec.errors import FitError, InputError
 from videovec.events import Event
@@ -27,10 +28,12 @@ from videovec.stroke_track import StrokeTrack
 from videovec.strokes import Strokes
 from videovec.track_archive import (
     pack,
+    pack_brushwork,
     pack_events,
     pack_strokes,
     pack_timeline,
     unpack,
+    unpack_brushwork,
     unpack_events,
     unpack_strokes,
     unpack_timeline,
@@ -55,6 +58,7 @@ class StrokeTracks:
         events: Births, deaths and other turns, by drawing.
         error: Root mean square coverage error under each row. [R]
         confidence: How well each row's ink supports it, in [0, 1]. [R]
+        brushwork: The brushes of textured lines; none for solid ones.
     """
 
     name: str
@@ -65,6 +69,7 @@ class StrokeTracks:
     events: tuple[Event, ...]
     error: Floats
     confidence: Floats
+    brushwork: Brushwork | None = None
 
     def __post_init__(self) -> None:
         rows = self.strokes.row_count
@@ -72,7 +77,9 @@ class StrokeTracks:
             raise FitError(f"tracks need error and confidence [{rows}], got {self.error.shape}")
 
     @staticmethod
-    def of(clip: Clip, ink: Ink, result: FitResult, events: tuple[Event, ...] = ()) -> StrokeTracks:
+    def of(
+        clip: Clip, ink: Ink, result: FitResult, events: tuple[Event, ...] = (), brushwork: Brushwork | None = None
+    ) -> StrokeTracks:
         """What a fit found in a clip.
 
         Args:
@@ -80,6 +87,7 @@ class StrokeTracks:
             ink: Its ink, for the colour of the page.
             result: The fitted strokes and their evidence.
             events: What happened to them.
+            brushwork: What draws them, if they are textured.
         """
         evidence = result.evidence
         return StrokeTracks(
@@ -91,6 +99,7 @@ class StrokeTracks:
             events=events,
             error=evidence.error,
             confidence=evidence.support,
+            brushwork=brushwork,
         )
 
     def __len__(self) -> int:
@@ -314,7 +323,12 @@ class StrokeTracks:
             "error": self.error,
             "confidence": self.confidence,
         }
-        parts = (pack_timeline(self.timeline), pack_strokes(self.strokes), pack_events(self.events))
+        parts = (
+            pack_timeline(self.timeline),
+            pack_strokes(self.strokes),
+            pack_events(self.events),
+            pack_brushwork(self.brushwork),
+        )
         for part in parts:
             arrays |= part
         return pack(arrays)
@@ -341,6 +355,7 @@ class StrokeTracks:
             events=unpack_events(arrays),
             error=arrays["error"].astype(np.float64),
             confidence=arrays["confidence"].astype(np.float64),
+            brushwork=unpack_brushwork(arrays),
         )
 
     def to_json(self) -> str:

@@ -1,26 +1,35 @@
 """Learned brushes: what textured lines are drawn with, learned from drawings, applied to strokes, given to artists."""
 
-from videovec.brush.apply import apply_brush, solid_strokes
+from videovec.brush.apply import apply_brush, brush_coverage, draw_brushwork, solid_strokes, stroke_marks
 from videovec.brush.choose import Evidence
-from videovec.brush.detect import TextureEvidence, looks_textured
-from videovec.brush.export_brush import export_brush
+from videovec.brush.detect import TextureEvidence, looks_textured, propose_textured
+from videovec.brush.export_brush import brush_files, export_brush
 from videovec.brush.fit_brush import BrushFit, fit_brush
-from videovec.brush.model import Brush, BrushModel, Laying
+from videovec.brush.fit_brushes import TexturedFit, fit_brushes
 from videovec.brush.solidify import solidify
 from videovec.brush.storage import load_brush
+from videovec.brushwork import Brush, BrushModel, Brushwork, Laying
 
 __all__ = [
     "Brush",
     "BrushFit",
     "BrushModel",
+    "Brushwork",
     "Evidence",
     "Laying",
     "TextureEvidence",
+    "TexturedFit",
     "apply_brush",
+    "brush_coverage",
+    "brush_files",
+    "draw_brushwork",
     "export_brush",
     "fit_brush",
+    "fit_brushes",
     "load_brush",
     "looks_textured",
+    "propose_textured",
     "solid_strokes",
     "solidify",
+    "stroke_marks",
 ]

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from videovec.brush.model import SUPPORT, Brush, BrushModel, Laying
 from videovec.brush.paint import BrushTensors, alphas, find_pairs
 from videovec.brush.prepare import mean_width
+from videovec.brushwork import SUPPORT, Brush, BrushModel, Brushwork, Laying
 from videovec.strokes import Strokes
 
-__all__ = ["apply_brush", "mean_ink", "solid_strokes"]
+__all__ = ["apply_brush", "brush_coverage", "draw_brushwork", "mean_ink", "solid_strokes", "stroke_marks"]
 
 Floats = NDArray[np.float64]
 
@@ -40,25 +40,72 @@ def apply_brush(
     Returns:
         The picture, sRGB. [H, W, 3] in [0, 1]
     """
-    height, width = size
-    picture = np.tile(np.asarray(page, dtype=np.float64), (height * width, 1))
-    if not len(strokes):
-        return picture.reshape(height, width, 3)
     if laying is None:
         laying = scattered(brush, strokes, np.random.default_rng(seed))
         brush = replace(brush, width=mean_width(strokes))
-    with torch.no_grad():
-        pairs = find_pairs(strokes, laying, (1, height, width))
-        alpha = alphas(pairs, BrushTensors.of(strokes, laying, brush)).numpy().astype(np.float64)
-    pixel, row = pairs.pixels.numpy()[pairs.at.numpy()], pairs.row.numpy()
-    for one in strokes.rows_at(0):
-        own = row == one
-        clear = np.ones(height * width)
-        np.multiply.at(clear, pixel[own], 1 - alpha[own])
-        touched = np.unique(pixel[own])
-        kept = clear[touched, None]
-        picture[touched] = kept * picture[touched] + (1 - kept) * strokes.color[strokes.layout.row_stroke[one]]
+    return draw_brushwork(Brushwork((brush,), np.zeros(len(strokes), np.intp), laying), strokes, size, page)
+
+
+def draw_brushwork(
+    brushwork: Brushwork, strokes: Strokes, size: tuple[int, int], page: ArrayLike = (1.0, 1.0, 1.0)
+) -> Floats:
+    """Draw the strokes of one drawing with the brushes that were laid along them.
+
+    Args:
+        brushwork: Brushes, and how they lie along these strokes.
+        strokes: Strokes of drawing 0, in their own colours and layers.
+        size: Height and width of the page. px
+        page: Colour of the page, sRGB in [0, 1]. [3]
+
+    Returns:
+        The picture, sRGB. [H, W, 3] in [0, 1]
+    """
+    height, width = size
+    picture = np.tile(np.asarray(page, dtype=np.float64), (height * width, 1))
+    marks = stroke_marks(brushwork, strokes, size)
+    for row in strokes.rows_at(0).tolist():
+        pixels, alpha = marks[row]
+        clear = 1 - alpha[:, None]
+        picture[pixels] = clear * picture[pixels] + (1 - clear) * strokes.color[strokes.layout.row_stroke[row]]
     return picture.reshape(height, width, 3)
+
+
+def stroke_marks(
+    brushwork: Brushwork, strokes: Strokes, size: tuple[int, int]
+) -> list[tuple[NDArray[np.intp], NDArray[np.float64]]]:
+    """What each stroke of one drawing leaves on the page: pixels, flat in [H, W], and alpha there. R times [N], [N]"""
+    marks = [(np.zeros(0, np.intp), np.zeros(0))] * strokes.row_count
+    for number, brush in enumerate(brushwork.brushes):
+        own = brushwork.chosen == number
+        if not own.any():
+            continue
+        part, laying = strokes.select(own), brushwork.laying.select(strokes.layout, own)
+        with torch.no_grad():
+            pairs = find_pairs(part, laying, (1, *size))
+            alpha = alphas(pairs, BrushTensors.of(part, laying, brush)).numpy().astype(np.float64)
+        pixel, row = pairs.pixels.numpy()[pairs.at.numpy()], pairs.row.numpy()
+        for one, whole in enumerate(np.flatnonzero(own[strokes.layout.row_stroke]).tolist()):
+            mine = row == one
+            touched, place = np.unique(pixel[mine], return_inverse=True)
+            clear = np.ones(len(touched))
+            np.multiply.at(clear, place, 1 - alpha[mine])
+            marks[whole] = touched, 1 - clear
+    return marks
+
+
+def brush_coverage(brushwork: Brushwork, strokes: Strokes, size: tuple[int, int, int]) -> NDArray[np.uint8]:
+    """Coverage of textured strokes over D drawings, 255 is full. uint8 [D, H, W]"""
+    drawn = np.zeros(size, np.uint8)
+    for drawing, page in enumerate(drawn):
+        alone = strokes.at_drawing(drawing, as_drawing=0)
+        ink = draw_brushwork(
+            brushwork.at_drawing(strokes.layout, drawing),
+            replace(alone, color=np.ones_like(alone.color)),
+            (size[1], size[2]),
+            np.zeros(3),
+        )
+        page[...] = np.round(255 * ink[..., 0])
+    return drawn
 
 
 def scattered(brush: Brush, strokes: Strokes, rng: np.random.Generator) -> Laying:
@@ -74,9 +121,9 @@ def mean_ink(brush: Brush) -> float:
     return float(min(profile.sum() / max((np.abs(v) <= 1).sum(), 1), 1.0))
 
 
-def solid_strokes(brush: Brush, strokes: Strokes, laying: Laying) -> Strokes:
+def solid_strokes(brushwork: Brushwork, strokes: Strokes) -> Strokes:
     """Strokes of even ink that stand for textured ones where texture cannot be kept: mean density as opacity."""
-    layout = strokes.layout
-    count = np.diff(layout.row_joints)
-    density = np.add.reduceat(laying.density, layout.row_joints[:-1]) / count
-    return replace(strokes, opacity=np.clip(strokes.opacity * density * mean_ink(brush), 0.0, 1.0))
+    layout, density = strokes.layout, brushwork.laying.density
+    ink = np.array([mean_ink(brush) for brush in brushwork.brushes])[brushwork.chosen[layout.row_stroke]]
+    mean = np.add.reduceat(density, layout.row_joints[:-1]) / np.diff(layout.row_joints) if len(density) else density
+    return replace(strokes, opacity=np.clip(strokes.opacity * mean * ink, 0.0, 1.0))

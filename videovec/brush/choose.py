@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from videovec.brush.align import Alignment, find_repeat, shuffled
 from videovec.brush.drift import learn_texture, texture_of
-from videovec.brush.model import SUPPORT, BrushModel
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
+from videovec.brushwork import SUPPORT, BrushModel
 from videovec.settings import BrushSettings
 
 __all__ = ["Evidence", "Lean", "find_lean", "grain_level", "weigh"]

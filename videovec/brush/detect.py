@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from videovec.brush.solidify import blur_of, solid_coverage
 from videovec.ink import Ink
+from videovec.progress import Progress
 
-__all__ = ["TextureEvidence", "looks_textured"]
+__all__ = ["TextureEvidence", "looks_textured", "propose_textured"]
 
-_LEAST_GRAIN = 0.05
+_LEAST_GRAIN, _MOST_GRAIN = 0.05, 1.0  # beyond, the middle of a core pixel is empty: gaps between lines, not grain
 _NOISE_LEVELS = 3.0
 _EDGE = 1.6  # px; nearer to the page ink is thinned by the edge
-_LEAST_CORE = 0.1  # share of the ink that must lie deeper, or the lines are too thin to tell
+_LEAST_CORE = 0.3  # share of the ink that must lie deeper; where thin lines run close together, less does
 _SLOW = 3.0  # px; ink that varies more slowly is pressure, not grain
 _LOOK = 8  # drawings, at most, that are looked at
 _NORMAL = 1.4826  # standard deviation of a normal variable against the median of its size
@@ -51,7 +52,8 @@ def looks_textured(ink: Ink) -> TextureEvidence:
     deep, all_ink = len(deviations), sum(count for _, count in parts)
     core = deep / max(all_ink, 1)
     threshold = max(_LEAST_GRAIN, _NOISE_LEVELS * ink.noise)
-    return TextureEvidence(grain > threshold and core > _LEAST_CORE, grain, threshold, core, blur)
+    is_textured = threshold < grain < _MOST_GRAIN and core > _LEAST_CORE
+    return TextureEvidence(is_textured, grain, threshold, core, blur)
 
 
 def _inside(coverage: NDArray[np.uint8], blur: float) -> tuple[NDArray[np.float32], int]:
@@ -63,3 +65,9 @@ def _inside(coverage: NDArray[np.uint8], blur: float) -> tuple[NDArray[np.float3
     slow = cv2.GaussianBlur(seen * ink, (0, 0), _SLOW) / np.maximum(weight, 1e-3)
     deviation = np.abs(ink - slow) / np.maximum(slow, 0.1)
     return deviation[core].astype(np.float32), int(inside.sum())
+
+
+def propose_textured(ink: Ink, progress: Progress) -> None:
+    """Tell whoever fits solid strokes to textured lines that there is a better way."""
+    if looks_textured(ink).is_textured:
+        progress.note("lines look textured; try --preset textured")

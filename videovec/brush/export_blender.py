@@ -11,7 +11,7 @@ from io import BytesIO
 import numpy as np
 from PIL import Image
 
-from videovec.brush.model import SUPPORT, Brush
+from videovec.brushwork import SUPPORT, Brush
 
 __all__ = ["blender_image", "blender_script"]
 

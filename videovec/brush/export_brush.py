@@ -7,11 +7,11 @@ from pathlib import Path
 from videovec.brush.export_blender import blender_image, blender_script
 from videovec.brush.export_gimp import dab_cells, gbr_tip, gih_pipe
 from videovec.brush.export_krita import kpp_preset
-from videovec.brush.model import Brush
 from videovec.brush.storage import meaning_json, strip_png
+from videovec.brushwork import Brush
 from videovec.files import write_file
 
-__all__ = ["export_brush"]
+__all__ = ["brush_files", "export_brush"]
 
 _NOTE = """{name}: a brush learned by videovec ({model}, pen {width:.1f} px, repeats after {repeat:.2f} widths)
 
@@ -37,16 +37,20 @@ def export_brush(brush: Brush, folder: Path) -> tuple[Path, ...]:
     Raises:
         OutputError: The folder cannot be written to.
     """
+    return tuple(write_file(folder / file, data) for file, data in brush_files(brush))
+
+
+def brush_files(brush: Brush) -> tuple[tuple[str, bytes], ...]:
+    """Names and contents of the files that a brush is written as."""
     name = brush.name
     note = _NOTE.format(name=name, model=brush.model.value, width=brush.width, repeat=brush.repeat)
-    files: tuple[tuple[str, bytes | str], ...] = (
+    return (
         (f"{name}.png", strip_png(brush)),
-        (f"{name}.json", meaning_json(brush)),
+        (f"{name}.json", meaning_json(brush).encode()),
         (f"{name}.gih", gih_pipe(brush)),
         (f"{name}.gbr", gbr_tip(dab_cells(brush)[0], f"{name} dab")),
         (f"{name}.kpp", kpp_preset(brush)),
         (f"{name}_blender.png", blender_image(brush)),
-        (f"{name}_blender.py", blender_script(brush)),
-        (f"{name}.txt", note),
+        (f"{name}_blender.py", blender_script(brush).encode()),
+        (f"{name}.txt", note.encode()),
     )
-    return tuple(write_file(folder / file, data) for file, data in files)

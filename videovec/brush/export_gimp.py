@@ -15,7 +15,7 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.brush.model import SUPPORT, Brush
+from videovec.brushwork import SUPPORT, Brush
 
 __all__ = ["CELL", "dab_cells", "gbr_tip", "gih_pipe"]
 

@@ -17,7 +17,7 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from videovec.brush.export_gimp import dab_cells
-from videovec.brush.model import Brush
+from videovec.brushwork import Brush
 
 __all__ = ["kpp_preset"]
 

@@ -14,11 +14,11 @@ from videovec.brush.gauge import centre_support, full_scale
 from videovec.brush.grain import measure_grain, synthesise_grain
 from videovec.brush.known import lay_known
 from videovec.brush.lay import lay_again, lay_texture
-from videovec.brush.model import Brush, BrushModel, Laying
 from videovec.brush.prepare import fit_profile, mean_width, shorten_segments
 from videovec.brush.refine import Laid, RefineSchedule, refine
 from videovec.brush.storage import load_brush
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip, unroll
+from videovec.brushwork import Brush, BrushModel, Laying
 from videovec.errors import FitError
 from videovec.ink import Ink
 from videovec.progress import Progress, Silent
@@ -77,7 +77,7 @@ def fit_brush(
         raise FitError("a brush needs at least one stroke, got none")
     progress = progress or Silent()
     rng = np.random.default_rng(seed)
-    progress.stage("brush", 2 * settings.profile_steps + settings.texture_steps)
+    progress.stage("brush", settings.profile_steps + settings.texture_steps)
     strokes = shorten_segments(strokes, settings.longest_segment * mean_width(strokes))
     laid = fit_profile(strokes, ink.coverage, settings.profile_steps, progress)
     strips = unroll(laid, ink.coverage)

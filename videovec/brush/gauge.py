@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.brush.model import SUPPORT, Brush
 from videovec.brush.refine import Laid, split_density
+from videovec.brushwork import SUPPORT, Brush
 from videovec.strokes import Strokes
 
 __all__ = ["centre_support", "full_scale"]

@@ -11,9 +11,9 @@ from videovec.brush.align import Folded
 from videovec.brush.drift import lie_along
 from videovec.brush.gauge import full_scale
 from videovec.brush.lay import phases_at
-from videovec.brush.model import Brush, BrushModel, Laying
 from videovec.brush.refine import Laid
 from videovec.brush.strips import TEXELS_ACROSS, TEXELS_PER_WIDTH, Strip, joint_arcs
+from videovec.brushwork import Brush, BrushModel, Laying
 
 __all__ = ["lay_known"]
 
@@ -48,7 +48,7 @@ def lay_known(laid: Laid, strips: list[Strip], brush: Brush, rng: np.random.Gene
     phase = np.concatenate(
         [phases_at(arc / width, offset) / scale for arc, (_, offset, _) in zip(arcs, found, strict=True)]
     )
-    laying = Laying(np.array([sign for sign, _, _ in found]), phase, laid.laying.density)
+    laying = replace(laid.laying, sign=np.array([sign for sign, _, _ in found]), phase=phase)
     energy = np.array([float((strip.weight * strip.grain**2).sum()) for strip in strips])
     explained = float(np.average([share for _, _, share in found], weights=energy))
     return full_scale(replace(here, width=width * scale), replace(laid, laying=laying)), explained

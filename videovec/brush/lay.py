@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from videovec.brush.align import Alignment
 from videovec.brush.drift import explained_at, lie_along
 from videovec.brush.gauge import full_scale
-from videovec.brush.model import Brush, BrushModel, Laying, stroke_joints
 from videovec.brush.refine import Laid
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip, joint_arcs, unroll
+from videovec.brushwork import Brush, BrushModel, stroke_joints
 
 __all__ = ["lay_again", "lay_texture", "phases_at"]
 
@@ -29,7 +29,7 @@ def lay_texture(laid: Laid, found: Alignment) -> Laid:
         phases_at(arc / laid.brush.width, offset)
         for arc, offset in zip(joint_arcs(laid.strokes), found.offset, strict=True)
     ]
-    laying = Laying(found.sign, np.concatenate(phase), laid.laying.density)
+    laying = replace(laid.laying, sign=found.sign, phase=np.concatenate(phase))
     return full_scale(brush, replace(laid, laying=laying))
 
 

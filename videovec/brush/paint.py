@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from videovec.brush.coordinates import Coordinates, find_coordinates
-from videovec.brush.model import SUPPORT, Brush, Laying, stroke_joints
+from videovec.brushwork import SUPPORT, Brush, Laying, stroke_joints
 from videovec.strokes import Strokes
 
 __all__ = ["BrushTensors", "Pairs", "find_pair_groups", "find_pairs", "paint"]
@@ -71,6 +71,7 @@ class BrushTensors:
         half_width: Half-width at joints. [J] px
         density: Ink at joints, opacity included. [J] in [0, 1]
         phase: Phase at joints of strokes. [sum of n+1] widths
+        shift: Shift of each row. [R] widths
         strip: Ink of the brush. [U, V] in [0, 1]
         width: Width that a unit of u stands for. px
         repeat: Length of the strip. Widths
@@ -80,6 +81,7 @@ class BrushTensors:
     half_width: Tensor
     density: Tensor
     phase: Tensor
+    shift: Tensor
     strip: Tensor
     width: float
     repeat: float
@@ -96,6 +98,7 @@ class BrushTensors:
             half_width=tensor(strokes.half_width),
             density=tensor(laying.density * strokes.opacity[strokes.layout.joint_row]),
             phase=tensor(laying.phase),
+            shift=tensor(laying.shift),
             strip=tensor(brush.strip),
             width=brush.width,
             repeat=brush.repeat,
@@ -168,8 +171,8 @@ def stroke_coordinates(pairs: Pairs, tensors: BrushTensors) -> tuple[Tensor, Ten
     distance = pairs.offset - (nearest * pairs.direction).sum(1)
     half_width = _between(tensors.half_width, pairs.joints, pairs.t).clamp(min=1e-3)
     moved = (tensors.points[pairs.origin] * pairs.tangent).sum(1) - pairs.begin
-    u = pairs.sign * (pairs.arc - moved) / tensors.width + _between(tensors.phase, pairs.phases, pairs.t)
-    return u, pairs.sign * distance / half_width
+    laid = _between(tensors.phase, pairs.phases, pairs.t) + tensors.shift[pairs.row]
+    return pairs.sign * (pairs.arc - moved) / tensors.width + laid, pairs.sign * distance / half_width
 
 
 def read_strip(strip: Tensor, u: Tensor, v: Tensor) -> Tensor:

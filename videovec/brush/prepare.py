@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from videovec.brush.coordinates import sample_rows
 from videovec.brush.gauge import centre_support, full_scale
-from videovec.brush.model import SUPPORT, Brush, BrushModel, Laying
 from videovec.brush.refine import Laid, RefineSchedule, refine
 from videovec.brush.strips import TEXELS_ACROSS
+from videovec.brushwork import SUPPORT, Brush, BrushModel, Laying
 from videovec.curves import split
 from videovec.progress import Progress
 from videovec.strokes import Layout, Strokes

@@ -9,8 +9,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from videovec.brush.model import Brush, Laying
 from videovec.brush.paint import BrushTensors, Pairs, find_pair_groups, paint
+from videovec.brushwork import Brush, Laying
 from videovec.progress import Progress
 from videovec.strokes import Layout, Strokes
 
@@ -41,6 +41,7 @@ class RefineSchedule:
         half_width: Step of the logarithm of half-widths.
         density: Step of the logit of density.
         phase: Step of phases. widths
+        shift: Step of the shifts of single drawings. widths
         strip: Step of the logit of texels.
         rebuild: Steps between two searches for the pixels near each stroke.
         prior: Pull of every texel to the strip's profile, in pixels that agree with it.
@@ -52,6 +53,7 @@ class RefineSchedule:
     half_width: float = 0.015
     density: float = 0.05
     phase: float = 0.0
+    shift: float = 0.0
     strip: float = 0.08
     rebuild: int = 15
     prior: float = 0.1
@@ -66,6 +68,7 @@ class _Leaves:
     log_half_width: Tensor
     logit_density: Tensor
     phase: Tensor
+    shift: Tensor
     logit_strip: Tensor
 
     @staticmethod
@@ -76,6 +79,7 @@ class _Leaves:
             start.half_width.clamp(min=0.05).log(),
             torch.logit(start.density, eps=1e-3),
             start.phase.clone(),
+            start.shift.clone(),
             torch.logit(start.strip, eps=2e-3),
         )
         return _Leaves(*(leaf.requires_grad_() for leaf in leaves))
@@ -86,6 +90,7 @@ class _Leaves:
             self.log_half_width.exp(),
             torch.sigmoid(self.logit_density),
             self.phase,
+            self.shift,
             torch.sigmoid(self.logit_strip),
             brush.width,
             brush.repeat,
@@ -105,7 +110,7 @@ def refine(laid: Laid, coverage: NDArray[np.uint8], schedule: RefineSchedule, pr
         Strokes, laying and brush of the same topology, repeat and number of texels.
     """
     leaves = _Leaves.of(laid)
-    rates = (schedule.points, schedule.half_width, schedule.density, schedule.phase, schedule.strip)
+    rates = (schedule.points, schedule.half_width, schedule.density, schedule.phase, schedule.shift, schedule.strip)
     moving = [(leaf, rate) for leaf, rate in zip(_all(leaves), rates, strict=True) if rate > 0]
     optimiser = torch.optim.Adam([{"params": [leaf]} for leaf, _ in moving], betas=(0.9, 0.99))
     kinks = _smooth_joints(laid.strokes)
@@ -134,7 +139,7 @@ def refine(laid: Laid, coverage: NDArray[np.uint8], schedule: RefineSchedule, pr
 
 
 def _all(leaves: _Leaves) -> tuple[Tensor, ...]:
-    return (leaves.points, leaves.log_half_width, leaves.logit_density, leaves.phase, leaves.logit_strip)
+    return (leaves.points, leaves.log_half_width, leaves.logit_density, leaves.phase, leaves.shift, leaves.logit_strip)
 
 
 def _close(leaves: _Leaves, strokes: Strokes) -> None:
@@ -162,7 +167,7 @@ def _laid(leaves: _Leaves, start: Laid) -> Laid:
     strokes = replace(
         start.strokes, points=array(tensors.points), half_width=array(tensors.half_width), opacity=opacity
     )
-    laying = replace(start.laying, phase=array(tensors.phase), density=density)
+    laying = replace(start.laying, phase=array(tensors.phase), density=density, shift=array(tensors.shift))
     return Laid(strokes, laying, replace(start.brush, strip=array(tensors.strip)))
 
 

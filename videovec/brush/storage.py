@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from videovec.brush.model import SUPPORT, Brush, BrushModel
+from videovec.brushwork import SUPPORT, Brush, BrushModel
 from videovec.errors import InputError
 
 __all__ = ["FORMAT", "load_brush", "meaning_json", "strip_png"]

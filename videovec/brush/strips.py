@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.brush.coordinates import RowSamples, find_coordinates, sample_rows
-from videovec.brush.model import SUPPORT
 from videovec.brush.refine import Laid
+from videovec.brushwork import SUPPORT
 from videovec.curves import derivative, evaluate
 from videovec.strokes import Strokes
 

@@ -151,7 +151,7 @@ def _trace_coverage(coverage: Coverage, others: Coverage, noise: float, settings
     found = [centre_line(graph, chain, widths, coverage) for chain in chains(graph, pairings + bridges)]
     for loop, thickness in zip(graph.loops, graph.loop_radius, strict=True):
         found.append(closed_line(loop, max(_LEAST_WIDTH, 2.0 * widths.calibration * float(np.median(thickness)))))
-    if not is_alone:
+    if found and not is_alone:
         widest = max(line.width for line in found)
         found = [line for line in found if not is_sliver(line, widest, others)]
     curves, half_widths = [], []

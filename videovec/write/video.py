@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.clip import Clip
+from videovec.quality import draw_tracks
 from videovec.tracks import StrokeTracks
 from videovec.write.preview import contact_sheet, draw_identities
 from videovec.write.time_base import time_base
@@ -25,19 +26,25 @@ _SMALLEST, _LARGEST = 400, 960  # px of the longer side of a panel
 def preview_image(tracks: StrokeTracks, clip: Clip | None, frame: int) -> Image:
     """A frame: source and strokes side by side, or the strokes alone where there is no clip.
 
+    Textured strokes are shown twice: as their brush draws them, then by identity.
+
     Returns:
         uint8 [H', W', 3]
     """
     longer = max(tracks.size)
     scale = np.ceil(_SMALLEST / longer) if longer < _SMALLEST else min(1.0, _LARGEST / longer)
-    panels = [draw_identities(tracks, frame, float(scale))]
+    identities = draw_identities(tracks, frame, float(scale))
+    drawing = int(tracks.timeline.drawing_of_frame[frame])
+    pictures: list[Image] = []
     if clip is not None:
-        drawing = clip.drawings[int(tracks.timeline.drawing_of_frame[frame])]
-        source = drawing if drawing.dtype == np.uint8 else (drawing >> 8).astype(np.uint8)
-        height, width = panels[0].shape[:2]
-        method = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
-        panels.insert(0, np.asarray(cv2.resize(source, (width, height), interpolation=method), np.uint8))
-    return contact_sheet(panels, columns=2)
+        source = clip.drawings[drawing]
+        pictures.append(source if source.dtype == np.uint8 else (source >> 8).astype(np.uint8))
+    if tracks.brushwork is not None:
+        pictures.append(np.rint(255 * draw_tracks(tracks, drawing)).astype(np.uint8))
+    size = (identities.shape[1], identities.shape[0])
+    method = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
+    panels = [np.asarray(cv2.resize(picture, size, interpolation=method), np.uint8) for picture in pictures]
+    return contact_sheet([*panels, identities], columns=3)
 
 
 def preview_video(tracks: StrokeTracks, clip: Clip | None) -> bytes:

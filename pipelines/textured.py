@@ -1,0 +1,28 @@
+"""Textured line art: strokes of the ink made solid, carried through the clip, then the brush that drew them."""
+
+from functools import partial
+
+from videovec.brush import fit_brushes, solidify
+from videovec.clip import Clip
+from videovec.fit import fit
+from videovec.initialise import initialise
+from videovec.ink import extract_ink
+from videovec.progress import Progress
+from videovec.propagate import propagate
+from videovec.settings import Config
+from videovec.start import first_strokes, start_drawing, start_settings
+from videovec.tracks import StrokeTracks
+
+
+def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
+    """Vectorise a clip whose lines are drawn with a brush."""
+    ink = extract_ink(clip, config.ink, progress)
+    solid = solidify(ink)
+    trace = partial(initialise, settings=config.initialise)
+    seed = start_drawing(clip, config.initialise)
+    begun = first_strokes(solid, seed, config)
+    first = fit(solid.at_drawing(seed), begun, start_settings(config), config.render, progress)
+    carried = propagate(solid, first.strokes.shifted(seed), config.propagate, trace, progress)
+    result = fit(solid, carried.strokes, config.fit, config.render, progress)
+    textured = fit_brushes(ink, result.strokes, config.brush, progress, config.seed)
+    return StrokeTracks.of(clip, ink, textured.result, carried.events, textured.brushwork)
