@@ -108,7 +108,7 @@ def _compiler() -> Finding:
     if report.cache is None:
         advice = "every run compiles for about 20 s; set NUMBA_CACHE_DIR to a folder that can be written to"
         return Finding("compiler", "machine code cannot be kept", advice)
-    when = "is ready" if report.is_compiled else "will be made by the first run, in about 20 s"
+    when = "is ready" if report.is_compiled else "will be made by the first run, in up to a minute"
     return Finding("compiler", f"machine code {when}, in {report.cache}")
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from videovec.compiling import compiled
 
 __all__ = ["fit_spline"]
 
@@ -18,7 +19,7 @@ _STILL = 1e-3  # change of every parameter below which they end
 _TANGENT_SAMPLES = 4  # samples to either side of a smooth joint from which its tangent is told
 
 
-@numba.njit(cache=True)
+@compiled()
 def _fit_cubic(line: Floats, first: Floats, last: Floats, rounds: int, still: float) -> tuple[Floats, Floats]:
     """One cubic from the first sample to the last; a zero tangent leaves its handle free. Cubic [4, 2], errors [M]."""
     count = len(line)
@@ -96,7 +97,7 @@ def _fit_cubic(line: Floats, first: Floats, last: Floats, rounds: int, still: fl
     return cubic, error
 
 
-@numba.njit(cache=True)
+@compiled()
 def _tangent(line: Floats, at: int, low: int, high: int, reach: int) -> Floats:
     """Direction of a smooth line at a sample, from samples within its stretch. Unit vector [2]"""
     before, after = max(low, at - reach), min(high, at + reach)
@@ -105,7 +106,7 @@ def _tangent(line: Floats, at: int, low: int, high: int, reach: int) -> Floats:
     return chord / length if length > 1e-12 else np.zeros(2)
 
 
-@numba.njit(cache=True)
+@compiled()
 def _fit_stretch(line: Floats, tolerance: float, ends: Floats, rounds: int, still: float, reach: int) -> Floats:
     """Cubics along a line without corners, split where they are worst, then rejoined where one does as well.
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+
+from videovec.compiling import compiled
 
 __all__ = ["Branch", "Graph", "polyline_length", "skeleton_graph"]
 
@@ -159,7 +160,7 @@ class Graph:
         return kept
 
 
-@numba.njit(cache=True)
+@compiled()
 def _neighbours(index: NDArray[np.int32], pixels: Ints) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Skeleton pixels around each, the four straight ones first; a diagonal counts where no straight one bridges it."""
     table = np.full((len(pixels), 8), -1, np.int32)
@@ -177,7 +178,7 @@ def _neighbours(index: NDArray[np.int32], pixels: Ints) -> tuple[NDArray[np.int3
     return table, degree
 
 
-@numba.njit(cache=True)
+@compiled()
 def _walk(
     table: NDArray[np.int32], degree: NDArray[np.int32], node: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from videovec.compiling import compiled
 
 __all__ = ["thin"]
 
@@ -27,7 +28,7 @@ def _deletable() -> NDArray[np.bool_]:
     return np.stack([simple & ~((p6 | p7 | ~p9) & p8), simple & ~((p2 | p3 | ~p5) & p4)])
 
 
-@numba.njit(cache=True)
+@compiled()
 def _peel(mask: Mask, deletable: NDArray[np.bool_], row: NDArray[np.int64], column: NDArray[np.int64]) -> None:
     """Remove layer after layer in place; only pixels whose surroundings changed are looked at again."""
     queued = np.zeros(mask.shape, np.bool_)

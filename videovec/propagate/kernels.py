@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from videovec.compiling import compiled
 
 __all__ = ["assemble", "nearest", "relax", "rotations"]
 
@@ -19,7 +20,7 @@ _MARGIN = 64
 """How many cells off the grid a query is still told apart."""
 
 
-@njit(cache=True)
+@compiled()
 def _fill_grid(data: Floats) -> tuple[Ints, Ints, float, float, int, int]:
     """Sort data by cell: begin of each cell, items, origin and number of cells in x and y."""
     x0, y0 = data[0, 0], data[0, 1]
@@ -43,7 +44,7 @@ def _fill_grid(data: Floats) -> tuple[Ints, Ints, float, float, int, int]:
     return start, items, x0, y0, nx, ny
 
 
-@njit(cache=True)
+@compiled()
 def nearest(query: Floats, data: Floats, guess: Ints) -> tuple[Ints, Floats]:
     """The nearest of some features, whose first two entries are a place on the page.
 
@@ -86,7 +87,7 @@ def nearest(query: Floats, data: Floats, guess: Ints) -> tuple[Ints, Floats]:
     return found, squared
 
 
-@njit(cache=True)
+@compiled()
 def assemble(
     pull: Floats, rhs: Floats, node: Ints, goal: Floats, direction: Floats, weight: Floats, along: Floats
 ) -> None:
@@ -115,7 +116,7 @@ def assemble(
         rhs[i, 1] += xy * goal[k, 0] + yy * goal[k, 1]
 
 
-@njit(cache=True)
+@compiled()
 def rotations(x: Floats, rest: Floats, indptr: Ints, index: Ints, weight: Floats, low: float, high: float) -> Floats:
     """The rotation, times a scale in low .. high, that best takes each node's rest edges to its present ones.
 
@@ -141,7 +142,7 @@ def rotations(x: Floats, rest: Floats, indptr: Ints, index: Ints, weight: Floats
     return out
 
 
-@njit(cache=True)
+@compiled()
 def _apply(x: Floats, pull: Floats, indptr: Ints, index: Ints, weight: Floats, out: Floats) -> None:
     for i in range(len(x)):
         sx = pull[i, 0] * x[i, 0] + pull[i, 1] * x[i, 1]
@@ -153,7 +154,7 @@ def _apply(x: Floats, pull: Floats, indptr: Ints, index: Ints, weight: Floats, o
         out[i, 0], out[i, 1] = sx, sy
 
 
-@njit(cache=True)
+@compiled()
 def relax(
     x: Floats,
     rest: Floats,
@@ -203,7 +204,7 @@ def relax(
     return out
 
 
-@njit(cache=True)
+@compiled()
 def _conjugate_gradients(
     x: Floats, r: Floats, inverse: Floats, pull: Floats, edges: tuple[Ints, Ints, Floats], iterations: int
 ) -> None:

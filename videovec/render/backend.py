@@ -100,7 +100,7 @@ def prepare_backend(backend: Backend, progress: Progress) -> None:
 
     if is_compiled(Path(__file__).parent):
         return
-    progress.note("compiling the renderer for this machine, once; some 20 s")
+    progress.note("compiling for this machine, once; up to a minute")
     line = torch.tensor([[[4.0, 8.0], [6.0, 8.0], [10.0, 8.0], [12.0, 8.0]]])
     one, two = torch.ones(1), torch.ones(1, 2)
     origin = torch.zeros(1, dtype=torch.long)
