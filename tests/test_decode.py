@@ -463,7 +463,7 @@ def broken(tmp_path: Path, kind: str) -> Path:
         ("tiny", "got 1 x 1"),
         ("cut image", "got a damaged"),
         ("cut video", "FFmpeg cannot open"),
-        ("text", "got a"),
+        ("text", "got neither"),
         ("noise", "FFmpeg cannot open"),
     ],
 )

@@ -146,7 +146,8 @@ def test_every_pipeline_keeps_the_identities_of_a_ring_and_a_bar(tmp_path: Path,
     source = images("walk")(tmp_path, frames)
     tracks = run(source, tmp_path / "out", f"pipeline={pipeline}")
     assert sorted(tracks.strokes.layout.last - tracks.strokes.layout.first + 1) == [4, 4]
-    assert worst_psnr(tmp_path / "out", frames) > 28
+    least = 26 if pipeline == "textured" else 28  # a soft cross profile is written as an even line of its mean density
+    assert worst_psnr(tmp_path / "out", frames) > least
 
 
 def test_an_artists_svg_gives_the_first_strokes_their_order_and_identity(tmp_path: Path) -> None:
