@@ -23,6 +23,8 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     begun = first_strokes(solid, seed, config)
     first = fit(solid.at_drawing(seed), begun, start_settings(config), config.render, progress)
     carried = propagate(solid, first.strokes.shifted(seed), config.propagate, trace, progress)
-    result = fit(solid, carried.strokes, config.fit, config.render, progress)
-    textured = fit_brushes(ink, result.strokes, config.brush, progress, config.seed)
+    strokes = carried.strokes
+    if ink.drawing_count > 1:  # a still was fitted already
+        strokes = fit(solid, strokes, config.fit, config.render, progress).strokes
+    textured = fit_brushes(ink, strokes, config.brush, progress, config.seed)
     return StrokeTracks.of(clip, ink, textured.result, carried.events, textured.brushwork)
