@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import tomllib
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -36,7 +37,9 @@ ORDER = (
     ("start",),
     ("metrics", "clip_metrics"),
     ("track_archive", "stroke_track"),
-    ("tracks", "track_edits", "track_layouts"),
+    ("track_set",),
+    ("track_edits", "track_layouts"),
+    ("tracks",),
     ("brush",),
     ("write", "quality"),
     ("correction",),
@@ -106,6 +109,38 @@ def test_a_module_imports_only_what_comes_before_it(part: str, path: Path) -> No
 )
 def test_the_check_of_the_order_can_fail(source: str) -> None:
     assert _against_order("curves", source)
+
+
+def _module_graph(root: Path, package: str) -> dict[str, set[str]]:
+    """What every module below a package imports of it; not the package itself, which names its objects lazily."""
+    paths = {".".join((package, *path.relative_to(root).with_suffix("").parts)): path for path in root.rglob("*.py")}
+    modules = {name.removesuffix(".__init__"): path for name, path in paths.items()}
+    del modules[package]
+    graph = {}
+    for name, path in modules.items():
+        found = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                inner = {f"{node.module}.{alias.name}" for alias in node.names}
+                found |= (inner & modules.keys()) or {node.module}
+            elif isinstance(node, ast.Import):
+                found |= {alias.name for alias in node.names}
+        graph[name] = found & modules.keys() - {name}
+    return graph
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    graph = _module_graph(ROOT / "videovec", "videovec")
+    assert len(graph) > 100
+    TopologicalSorter(graph).prepare()
+
+
+def test_the_check_for_circles_can_fail(tmp_path: Path) -> None:
+    (tmp_path / "__init__.py").touch()
+    (tmp_path / "one.py").write_text("from pack import two\n", encoding="utf-8")
+    (tmp_path / "two.py").write_text("def f():\n    from pack.one import g\n", encoding="utf-8")
+    with pytest.raises(CycleError):
+        TopologicalSorter(_module_graph(tmp_path, "pack")).prepare()
 
 
 def test_a_pipeline_reads_no_files_and_parses_no_arguments() -> None:

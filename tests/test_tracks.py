@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 import videovec.stroke_track
 import videovec.track_layouts
+import videovec.track_set
 import videovec.tracks
 from videovec.clip import Timeline
 from videovec.curves import arc_length, sample_by_arc
@@ -75,7 +76,7 @@ def tracks() -> StrokeTracks:
     return tracks_of([upper, lower], events)
 
 
-@pytest.mark.parametrize("module", [videovec.tracks, videovec.track_layouts, videovec.stroke_track])
+@pytest.mark.parametrize("module", [videovec.tracks, videovec.track_set, videovec.track_layouts, videovec.stroke_track])
 def test_the_examples_in_the_documentation_are_true(module: ModuleType, tracks: StrokeTracks) -> None:
     outcome = doctest.testmod(module, extraglobs={"tracks": tracks})
     assert outcome.failed == 0

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,14 +16,15 @@ from videovec.events import Event, EventKind
 from videovec.life_edits import join_in_space, join_in_time, split_in_space, split_in_time
 from videovec.stroke_track import StrokeTrack
 from videovec.strokes import Strokes
-
-if TYPE_CHECKING:
-    from videovec.tracks import StrokeTracks
+from videovec.track_set import TrackSet
 
 __all__ = ["drop", "merge", "rename", "reverse", "split"]
 
+Tracks = TypeVar("Tracks", bound=TrackSet)
+"""The same kind of tracks comes out as went in."""
 
-def merge(tracks: StrokeTracks, first: int, second: int) -> StrokeTracks:
+
+def merge(tracks: Tracks, first: int, second: int) -> Tracks:
     """Make one stroke of two; see ``StrokeTracks.merge``."""
     if first == second:
         raise InputError(f"a stroke cannot be merged with itself, got {first} twice")
@@ -45,7 +46,7 @@ def merge(tracks: StrokeTracks, first: int, second: int) -> StrokeTracks:
     return _with(_without_id(tracks, second), {first: [merged], second: []}, event)
 
 
-def split(tracks: StrokeTracks, stroke: int, u: float | None, frame: int | None) -> StrokeTracks:
+def split(tracks: Tracks, stroke: int, u: float | None, frame: int | None) -> Tracks:
     """Make two strokes of one; see ``StrokeTracks.split``."""
     track = tracks[stroke]
     new_id = int(tracks.strokes.ids.max()) + 1
@@ -67,7 +68,7 @@ def split(tracks: StrokeTracks, stroke: int, u: float | None, frame: int | None)
     return _with(tracks, {stroke: pieces}, Event(EventKind.SPLIT, drawing, (stroke, new_id), (stroke,)))
 
 
-def rename(tracks: StrokeTracks, old: int, new: int) -> StrokeTracks:
+def rename(tracks: Tracks, old: int, new: int) -> Tracks:
     """Give a stroke another identity; see ``StrokeTracks.rename``."""
     position = tracks.position(old)
     if new < 1 or (new != old and new in tracks.strokes.ids):
@@ -86,20 +87,20 @@ def rename(tracks: StrokeTracks, old: int, new: int) -> StrokeTracks:
     return replace(tracks, strokes=replace(tracks.strokes, ids=ids), events=events)
 
 
-def drop(tracks: StrokeTracks, strokes: Iterable[int]) -> StrokeTracks:
+def drop(tracks: Tracks, strokes: Iterable[int]) -> Tracks:
     """Leave strokes out; see ``StrokeTracks.drop``."""
     for stroke in list(strokes):
         tracks = _with(_without_id(tracks, stroke), {stroke: []})
     return tracks
 
 
-def reverse(tracks: StrokeTracks, stroke: int) -> StrokeTracks:
+def reverse(tracks: Tracks, stroke: int) -> Tracks:
     """Run a stroke the other way; see ``StrokeTracks.reverse``."""
     track = tracks[stroke]
     return _with(tracks, {stroke: [replace(track, stroke=track.stroke.reversed())]})
 
 
-def _without_id(tracks: StrokeTracks, stroke: int) -> StrokeTracks:
+def _without_id(tracks: Tracks, stroke: int) -> Tracks:
     """The same tracks, with events that no longer speak of a stroke; those of it alone are gone."""
     tracks.position(stroke)
     kept = []
@@ -110,7 +111,7 @@ def _without_id(tracks: StrokeTracks, stroke: int) -> StrokeTracks:
     return replace(tracks, events=tuple(kept))
 
 
-def _with(tracks: StrokeTracks, changed: dict[int, Sequence[StrokeTrack]], event: Event | None = None) -> StrokeTracks:
+def _with(tracks: Tracks, changed: dict[int, Sequence[StrokeTrack]], event: Event | None = None) -> Tracks:
     """The same tracks with others in the place of some, and an event more."""
     every = [one for track in tracks for one in changed.get(track.id, [track])]
     events = sorted([*tracks.events, *([event] if event else [])], key=lambda one: one.drawing)

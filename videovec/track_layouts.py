@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,7 @@ from videovec.curves import arc_length
 from videovec.events import EventKind
 from videovec.stroke_life import StrokeLife
 from videovec.stroke_shape import hex_colour
-
-if TYPE_CHECKING:
-    from videovec.tracks import StrokeTracks
+from videovec.track_set import TrackSet
 
 __all__ = ["NapariTracks", "TapVid", "json_text", "napari_layout", "table", "tapvid_layout"]
 
@@ -62,7 +60,7 @@ class NapariTracks:
     graph: dict[int, list[int]]
 
 
-def json_text(tracks: StrokeTracks) -> str:
+def json_text(tracks: TrackSet) -> str:
     """Tracks as JSON: the page, the frames with their times, every stroke on every drawing, the events.
 
     Numbers are in px to three decimals. A frame names its drawing, counted from 0; a stroke lists its drawings from the
@@ -104,7 +102,7 @@ def json_text(tracks: StrokeTracks) -> str:
     return json.dumps(document, separators=(",", ":")) + "\n"
 
 
-def table(tracks: StrokeTracks) -> dict[str, list[Any]]:
+def table(tracks: TrackSet) -> dict[str, list[Any]]:
     """Columns of a table with a row for every stroke on every frame of its life, by frame, then layer.
 
     Returns:
@@ -131,7 +129,7 @@ def table(tracks: StrokeTracks) -> dict[str, list[Any]]:
     return columns
 
 
-def tapvid_layout(tracks: StrokeTracks, spacing: float) -> TapVid:
+def tapvid_layout(tracks: TrackSet, spacing: float) -> TapVid:
     """Points at equal steps along every stroke that is ever seen; see :class:`TapVid`.
 
     Args:
@@ -155,7 +153,7 @@ def tapvid_layout(tracks: StrokeTracks, spacing: float) -> TapVid:
     )
 
 
-def napari_layout(tracks: StrokeTracks, spacing: float) -> NapariTracks:
+def napari_layout(tracks: TrackSet, spacing: float) -> NapariTracks:
     """Points at equal steps along every stroke that is ever seen; see :class:`NapariTracks`."""
     ids, u, paths = _material_points(tracks, spacing)
     track, frame = np.nonzero(_is_seen(paths))
@@ -176,7 +174,7 @@ _COLUMNS = (
 )
 
 
-def _stroke(tracks: StrokeTracks, stroke: int) -> dict[str, Any]:
+def _stroke(tracks: TrackSet, stroke: int) -> dict[str, Any]:
     life = StrokeLife.of(tracks.strokes, stroke)
     start = int(tracks.strokes.layout.stroke_rows[stroke])
     return {
@@ -220,7 +218,7 @@ def _row_columns(life: StrokeLife, k: int) -> dict[str, Any]:
     }
 
 
-def _material_points(tracks: StrokeTracks, spacing: float) -> tuple[Ints, Floats, Floats]:
+def _material_points(tracks: TrackSet, spacing: float) -> tuple[Ints, Floats, Floats]:
     """Stroke [N] and arc fraction [N] of evenly spaced points, and where they are seen, NaN elsewhere [N, T, 2]."""
     ids: list[int] = []
     fractions: list[float] = []

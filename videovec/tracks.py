@@ -6,7 +6,6 @@ sinks by 2 px from drawing to drawing and is hidden on the last, and another 30 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,16 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from videovec import track_edits, track_layouts
 from videovec.brushwork import Brushwork
-from videovec.clip import Clip, Timeline
-from videovec.errors import FitError, InputError
+from videovec.clip import Clip
+from videovec.errors import InputError
 from videovec.events import Event
 from videovec.files import write_file
 from videovec.fit import FitResult
 from videovec.ink import Ink
-from videovec.stroke_life import StrokeLife
 from videovec.stroke_shape import StrokeShape, shape_of_row
-from videovec.stroke_track import StrokeTrack
-from videovec.strokes import Strokes
 from videovec.track_archive import (
     pack,
     pack_brushwork,
@@ -39,6 +35,7 @@ from videovec.track_archive import (
     unpack_timeline,
 )
 from videovec.track_layouts import NapariTracks, TapVid
+from videovec.track_set import TrackSet
 
 __all__ = ["StrokeTracks"]
 
@@ -46,35 +43,8 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class StrokeTracks:
-    """S strokes with their identities over a clip.
-
-    Args:
-        name: Name of the clip.
-        size: Height and width of the page. px
-        page: Colour of the page, sRGB in [0, 1]. [3]
-        timeline: Which drawing is shown when.
-        strokes: The strokes over the drawings.
-        events: Births, deaths and other turns, by drawing.
-        error: Root mean square coverage error under each row. [R]
-        confidence: How well each row's ink supports it, in [0, 1]. [R]
-        brushwork: The brushes of textured lines; none for solid ones.
-    """
-
-    name: str
-    size: tuple[int, int]
-    page: Floats
-    timeline: Timeline
-    strokes: Strokes
-    events: tuple[Event, ...]
-    error: Floats
-    confidence: Floats
-    brushwork: Brushwork | None = None
-
-    def __post_init__(self) -> None:
-        rows = self.strokes.row_count
-        if self.error.shape != (rows,) or self.confidence.shape != (rows,):
-            raise FitError(f"tracks need error and confidence [{rows}], got {self.error.shape}")
+class StrokeTracks(TrackSet):
+    """S strokes with their identities over a clip, and what can be asked of them; arguments as of `TrackSet`."""
 
     @staticmethod
     def of(
@@ -101,55 +71,6 @@ class StrokeTracks:
             confidence=evidence.support,
             brushwork=brushwork,
         )
-
-    def __len__(self) -> int:
-        """S."""
-        return len(self.strokes)
-
-    def __iter__(self) -> Iterator[StrokeTrack]:
-        """Every stroke, in the order of ``strokes``."""
-        return (self[stroke] for stroke in self.strokes.ids.tolist())
-
-    def __contains__(self, stroke: int) -> bool:
-        """Whether there is a stroke of an identity."""
-        return stroke in self.strokes.ids
-
-    def __getitem__(self, stroke: int) -> StrokeTrack:
-        """The stroke of an identity.
-
-        >>> tracks[2].life
-        (0, 5)
-        >>> tracks[2].at(3).points.shape
-        (4, 2)
-
-        Raises:
-            InputError: There is none.
-        """
-        position = self.position(stroke)
-        rows = slice(*self.strokes.layout.stroke_rows[position : position + 2].tolist())
-        life = StrokeLife.of(self.strokes, position)
-        return StrokeTrack(life, self.timeline, self.error[rows], self.confidence[rows])
-
-    def position(self, stroke: int) -> int:
-        """Where in ``strokes`` the stroke of an identity stands.
-
-        Raises:
-            InputError: There is none.
-        """
-        places = np.flatnonzero(self.strokes.ids == stroke)
-        if not len(places):
-            known = f"the {len(self)} identities lie in {self.strokes.ids.min()}..{self.strokes.ids.max()}"
-            raise InputError(f"there is no stroke {stroke}; {known if len(self) else 'there are no strokes'}")
-        return int(places[0])
-
-    def check_frame(self, frame: int) -> None:
-        """Refuse a frame that the clip does not have.
-
-        Raises:
-            InputError: It lies outside 0 .. T - 1.
-        """
-        if not 0 <= frame < self.timeline.frame_count:
-            raise InputError(f"frame must lie in 0..{self.timeline.frame_count - 1}, got {frame}")
 
     def at_frame(self, frame: int) -> list[StrokeShape]:
         """The strokes alive on a frame, hidden ones too, from the lowest layer to the highest.
@@ -215,10 +136,6 @@ class StrokeTracks:
             InputError: There is no such stroke.
         """
         return self[stroke].follow(u)
-
-    def frame_of(self, event: Event) -> int:
-        """The frame from which an event holds; T for one after the last drawing."""
-        return int(np.searchsorted(self.timeline.drawing_of_frame, event.drawing))
 
     def events_of(self, stroke: int) -> tuple[Event, ...]:
         """The events in which a stroke takes part, as one of their ids or parents.

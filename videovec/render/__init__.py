@@ -8,7 +8,8 @@ from videovec.render.fused import (
     coverage_normal_equations,
 )
 from videovec.render.image import composite, render_image
-from videovec.render.pairs import PairList, list_pairs
+from videovec.render.listing import list_pairs
+from videovec.render.pairs import PairList
 from videovec.render.scene import Scene
 
 __all__ = [

@@ -96,7 +96,7 @@ def prepare_backend(backend: Backend, progress: Progress) -> None:
     configure_threads()
     from videovec.compiling import is_compiled
     from videovec.render.fused import coverage_loss_and_gradients
-    from videovec.render.pairs import list_pairs
+    from videovec.render.listing import list_pairs
 
     if is_compiled(Path(__file__).parent):
         return

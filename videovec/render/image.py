@@ -6,7 +6,8 @@ from torch import Tensor
 
 from videovec.errors import FitError
 from videovec.render.backend import BACKENDS
-from videovec.render.pairs import PairList, list_pairs
+from videovec.render.listing import list_pairs
+from videovec.render.pairs import PairList
 from videovec.render.scene import Scene
 
 __all__ = ["composite", "render_image"]
