@@ -365,8 +365,12 @@ def test_a_gpu_draws_and_differentiates_like_the_cpu(name: str) -> None:
     for _ in range(8):
         here = coverage_loss_and_gradients(scene, near, 1.0, target)
         away = coverage_loss_and_gradients(there, far, 1.0, target.cuda())
+    settled = replace(far, t=far.t.clone())
+    away, again = (coverage_loss_and_gradients(there, p, 1.0, target.cuda()) for p in (far, settled))
     for field in ("loss", "value", "control", "half_width", "interval", "opacity"):
-        assert distance(getattr(away, field).cpu(), getattr(here, field)) < 1e-3, field
+        error = distance(getattr(away, field).cpu(), getattr(here, field))
+        assert error < (5e-3 if name in KINKED else 1e-3), field  # rounding decides what has no derivative
+        assert torch.equal(getattr(away, field), getattr(again, field)), f"{field} differs from call to call"
 
 
 @pytest.mark.parametrize(

@@ -138,7 +138,7 @@ def optimise(
     size = (target.shape[0], target.shape[1], target.shape[2])
     optimiser, rates = _optimiser(parameters, schedule)
     pixel_terms = [term for term in terms if isinstance(term, PixelTerm)]
-    losses = np.zeros(len(schedule.span))
+    losses: list[Tensor] = []
     for step in schedule.span:
         scale = schedule.scale_at(step)
         with torch.no_grad():
@@ -159,9 +159,9 @@ def optimise(
         for group, rate in zip(optimiser.param_groups, rates, strict=True):
             group["lr"] = rate * schedule.decay_at(step)
         optimiser.step()
-        losses[step - schedule.begin] = float(match.loss.sum())
+        losses.append(match.loss.sum())  # read at the end: reading makes the device wait
         progress.advance()
-    return Optimised(parameters.to_strokes(), losses)
+    return Optimised(parameters.to_strokes(), torch.stack(losses).cpu().numpy())
 
 
 def _approach(parameters: Parameters, target: NDArray[np.uint8], schedule: Schedule, progress: Progress) -> Optimised:

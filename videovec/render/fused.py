@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
 from dataclasses import dataclass, replace
+from functools import cache
 
 import torch
 from torch import Tensor
@@ -88,11 +90,21 @@ def coverage_loss_and_gradients(
         extra: Derivative of other losses by each active pixel's value, added to the residual's. [A]
 
     Returns:
-        Loss, values and gradients, on the device of the scene. Numba on the CPU, torch elsewhere.
+        Loss, values and gradients, on the device of the scene. Numba on the CPU, Triton on CUDA, torch elsewhere.
     """
     if scene.control.device.type == "cpu":
         return _with_numba(scene, pairs, scale, target, extra)
+    if scene.control.device.type == "cuda" and _has_triton():
+        from videovec.render.triton_match import match_with_triton
+
+        return CoverageMatch(*match_with_triton(scene, pairs, scale, target, extra))
     return match_with_torch(scene, pairs, scale, target, extra)
+
+
+@cache
+def _has_triton() -> bool:
+    """Whether kernels can be compiled for the GPU: torch brings Triton along on Linux."""
+    return importlib.util.find_spec("triton") is not None
 
 
 def _with_numba(scene: Scene, pairs: PairList, scale: float, target: Tensor, extra: Tensor | None) -> CoverageMatch:
