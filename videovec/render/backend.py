@@ -111,7 +111,10 @@ def prepare_backend(backend: Backend, progress: Progress) -> None:
 
 def _cuda_state() -> str:
     if torch.cuda.is_available():
-        return torch.cuda.get_device_name(0)
+        from videovec.render.fused import has_triton
+
+        kernels = "kernels by Triton" if has_triton() else "no Triton: its steps take 20 times as long"
+        return f"{torch.cuda.get_device_name(0)}, {kernels}"
     if torch.version.cuda is None:
         return "none: this torch is built for the CPU"
     return "none: torch finds no CUDA device, or no driver for it"

@@ -13,7 +13,14 @@ from videovec.render.pairs import PairList
 from videovec.render.scene import Scene
 from videovec.threads import over_ranges
 
-__all__ = ["CoverageMatch", "NormalEquations", "coverage_loss_and_gradients", "coverage_normal_equations"]
+__all__ = [
+    "CoverageMatch",
+    "NormalEquations",
+    "coverage_loss_and_gradients",
+    "coverage_normal_equations",
+    "has_triton",
+    "match_with_torch",
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +101,7 @@ def coverage_loss_and_gradients(
     """
     if scene.control.device.type == "cpu":
         return _with_numba(scene, pairs, scale, target, extra)
-    if scene.control.device.type == "cuda" and _has_triton():
+    if scene.control.device.type == "cuda" and has_triton():
         from videovec.render.triton_match import match_with_triton
 
         return CoverageMatch(*match_with_triton(scene, pairs, scale, target, extra))
@@ -102,7 +109,7 @@ def coverage_loss_and_gradients(
 
 
 @cache
-def _has_triton() -> bool:
+def has_triton() -> bool:
     """Whether kernels can be compiled for the GPU: torch brings Triton along on Linux."""
     return importlib.util.find_spec("triton") is not None
 
