@@ -138,6 +138,7 @@ def optimise(
     size = (target.shape[0], target.shape[1], target.shape[2])
     optimiser, rates = _optimiser(parameters, schedule)
     pixel_terms = [term for term in terms if isinstance(term, PixelTerm)]
+    smooth_terms = [term for term in terms if not isinstance(term, PixelTerm)]
     losses: list[Tensor] = []
     for step in schedule.span:
         scale = schedule.scale_at(step)
@@ -152,9 +153,8 @@ def optimise(
             slopes = [term.weight * term.every * term.gradient(pairs, match.value)[1] for term in due]
             match = coverage_loss_and_gradients(scene, pairs, scale, seen, torch.stack(slopes).sum(0))
         optimiser.zero_grad(set_to_none=False)
-        for term in terms:
-            if not isinstance(term, PixelTerm):
-                term(parameters).backward()  # type: ignore[no-untyped-call]
+        if smooth_terms:
+            torch.stack([term(parameters) for term in smooth_terms]).sum().backward()  # type: ignore[no-untyped-call]
         parameters.accumulate(match)
         for group, rate in zip(optimiser.param_groups, rates, strict=True):
             group["lr"] = rate * schedule.decay_at(step)
