@@ -21,7 +21,7 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     ink = extract_ink(clip, config.ink, progress)
     propose_textured(ink, progress)
     trace = partial(initialise, settings=config.initialise)
-    seed = start_drawing(clip, config.initialise)
+    seed = start_drawing(clip, ink, config.initialise)
     begun = first_strokes(ink, seed, config)
     first = fit(ink.at_drawing(seed), begun, start_settings(config), config.render, progress)
     carried = propagate(ink, first.strokes.shifted(seed), config.propagate, trace, progress)

@@ -19,7 +19,7 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     ink = extract_ink(clip, config.ink, progress)
     solid = solidify(ink)
     trace = partial(initialise, settings=config.initialise)
-    seed = start_drawing(clip, config.initialise)
+    seed = start_drawing(clip, ink, config.initialise)
     begun = first_strokes(solid, seed, config)
     first = fit(solid.at_drawing(seed), begun, start_settings(config), config.render, progress)
     carried = propagate(solid, first.strokes.shifted(seed), config.propagate, trace, progress)

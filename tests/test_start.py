@@ -103,7 +103,17 @@ def test_the_reference_frame_is_a_number_of_the_source() -> None:
     numbers = np.array([11, 12, 13])
     timeline = Timeline(np.array([0, 0, 1]), tuple(Fraction(n, 8) for n in range(3)), Fraction(3, 8), numbers)
     clip = Clip("clip", (image, image), timeline)
-    assert start_drawing(clip, InitialiseSettings()) == 0
-    assert start_drawing(clip, InitialiseSettings(reference="a.svg", reference_frame=13)) == 1
+    assert start_drawing(clip, _ink(), InitialiseSettings()) == 0
+    assert start_drawing(clip, _ink(), InitialiseSettings(reference="a.svg", reference_frame=13)) == 1
     with pytest.raises(InputError, match=r"11\.\.13.*got 1"):
-        start_drawing(clip, InitialiseSettings(reference="a.svg"))
+        start_drawing(clip, _ink(), InitialiseSettings(reference="a.svg"))
+
+
+@pytest.mark.parametrize(("amounts", "start"), [([9, 10, 10], 0), ([0, 5, 10, 10], 2), ([3, 10, 4], 1), ([7], 0)])
+def test_strokes_start_from_the_first_drawing_that_shows_enough(amounts: list[int], start: int) -> None:
+    coverage = np.zeros((len(amounts), 4, 10), np.uint8)
+    for drawing, amount in zip(coverage, amounts, strict=True):
+        drawing[1, :amount] = 255
+    ink = replace(_ink(), coverage=coverage, label=np.zeros_like(coverage))
+    timeline = Timeline(np.zeros(1, np.intp), (Fraction(0),), Fraction(1), np.array([1]))
+    assert start_drawing(Clip("clip", (coverage[0],), timeline), ink, InitialiseSettings()) == start

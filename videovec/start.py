@@ -28,18 +28,24 @@ _RANDOM_OPACITY_RATE = 0.05
 _LENGTH = 0.8  # of the mean distance between random strokes: their length
 _BEND = 0.15  # of their length: how far handles of random strokes lie off the chord
 _OPACITY = 0.8  # of random strokes
+_POOR = 0.8  # of the most ink of any drawing: less is too little to begin with
+_FULL = 0.95  # of it: as much as can be hoped for
 _NEAR = 1.5  # px within which a reference lies on the ink and needs no registration
 _RECOGNISED = 0.5  # of a reference's strokes that registration must find again
 
 
-def start_drawing(clip: Clip, settings: InitialiseSettings) -> int:
-    """The drawing whose strokes come first: the one that the reference shows, else the first of all.
+def start_drawing(clip: Clip, ink: Ink, settings: InitialiseSettings) -> int:
+    """The drawing whose strokes come first: the one that the reference shows, else the first that shows enough.
+
+    Where lines are still being drawn on, or something hides them, strokes are traced on a fuller drawing and followed
+    from there both ways.
 
     Raises:
         InputError: The clip has no such frame.
     """
     if not settings.reference:
-        return 0
+        amount = np.array([coverage.sum(dtype=np.int64) for coverage in ink.coverage])
+        return 0 if amount[0] >= _POOR * amount.max() else int(np.argmax(amount >= _FULL * amount.max()))
     numbers = clip.timeline.frame_numbers
     found = np.flatnonzero(numbers == settings.reference_frame)
     if not len(found):

@@ -27,10 +27,12 @@ _WIDENED = 1.0
 """By how much ink is widened, for strokes that lie beside its middle. working px"""
 _BEYOND = 1.5
 """How far beyond the line of another stroke the last ink may lie. working px"""
-_LONG = 4.0
+_LONG = 3.0
 """Length of the shortest end that is remembered never to have been seen. working px"""
 _SURE = 2.0
 """An end that the walk reaches but for this is reached. working px"""
+_SAME = 3.0
+"""Where a line hides an end that was never seen, that end is where it was, but for a change beyond this. working px"""
 _FREE = 6.0
 """Likewise, where nothing hides the end: a tip that lies beyond its ink was misplaced, or has slid. working px"""
 
@@ -134,6 +136,10 @@ def _walk_out(scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tup
     crossing = scene.crossing(stroke, places[last])
     shown = at[stop_at] - (_WIDENED + 0.5 * half_width if len(bare) else 0.0)
     reach = max(0.0, shown) if crossing is None else at[last[crossing]]
+    if crossing is not None and seen[2] < 1.0:
+        known = np.interp(seen[2], u[start : stop + 1], along, left=-np.inf, right=np.inf)
+        if abs(float(known) - reach) <= _SAME:
+            return seen[2]
     if is_end and along[-1] - reach <= (_FREE if crossing is None else _SURE):
         return 1.0
     return float(np.interp(reach, along, u[start : stop + 1]))

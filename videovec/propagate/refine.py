@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from videovec.curves import arc_length, sample_by_arc
 from videovec.optimise import Schedule, Term, optimise
 from videovec.parameters import Parameters
 from videovec.strokes import Strokes
@@ -14,6 +16,8 @@ __all__ = ["refine"]
 
 _HOPS = (1, 2, 4, 8)
 """Control points between the middle and the ends of a triple."""
+_NEARBY = 4.0
+"""How far beyond the edge of a stroke ink may be its own. px"""
 _SHORT = 1.0
 """Squared distance of the ends below which a triple has no direction. px²"""
 
@@ -33,10 +37,22 @@ def refine(
     Returns:
         The strokes with other control points.
     """
+    coverage = _near(strokes, coverage) if len(strokes) else coverage
     if not len(strokes) or not coverage.any():
         return strokes
     schedule = Schedule(steps=steps, rate=0.25, width_rate=0.0, scale=3.0, coarse=0.45, rebuild=9)
     return optimise(strokes, coverage[None], schedule, [_keep_shape(strokes, rest, rigidity)]).strokes
+
+
+def _near(strokes: Strokes, coverage: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The ink around strokes alone: none of them should bend to ink that belongs to a stroke which is not known yet."""
+    mask = np.zeros_like(coverage)
+    for s in range(len(strokes)):
+        points = strokes.points_of(s)
+        places = sample_by_arc(points, max(2, round(arc_length(points) / 4.0)))
+        thickness = round(2.0 * (float(strokes.half_width_of(s).max()) + _NEARBY))
+        cv2.polylines(mask, [np.rint(places - 0.5).astype(np.int32)], False, 255, thickness)
+    return np.asarray(np.where(mask > 0, coverage, 0), np.uint8)
 
 
 def _keep_shape(strokes: Strokes, rest: NDArray[np.float64], weight: float) -> Term:

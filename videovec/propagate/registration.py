@@ -6,7 +6,7 @@ little as that allows: rigid at first, softer as they settle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from videovec.propagate.kernels import assemble, nearest, relax, rotations
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.target import Target
 
-__all__ = ["COARSE", "FINE", "RIGID", "SETTLE", "SIMILAR", "Phase", "Source", "doubled", "register", "source_of"]
+__all__ = ["COARSE", "FINE", "RIGID", "SETTLE", "SIMILAR", "Phase", "Source", "doubled", "recall", "register", "source_of"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -29,6 +29,8 @@ _REVERSE = 0.5
 """Weight of a pull from ink to strokes, against 1 from strokes to ink."""
 _CROSS_REACH = 12.0
 """Distance at which an edge between strokes has half of its stiffness. px"""
+_RECALL = 0.02
+"""Pull of where strokes are against their remembered shape: bends shorter than about 60 px are learned slowly."""
 _SOLVES = 2
 _ITERATIONS = 40
 
@@ -142,6 +144,25 @@ def source_of(nodes: Nodes, rest: Floats, ink: Target, weight: Floats | None = N
         hold=np.zeros(len(nodes)),
         goal=rest,
     )
+
+
+def recall(source: Source, shape: Floats) -> Source:
+    """Give strokes the rest shape that they have had for long, where they are now.
+
+    A zigzag over ink that belongs to several strokes would otherwise be the rest shape of the next step, and grow.
+
+    Args:
+        source: Strokes at rest where they are.
+        shape: The shape that they had at rest in the step before. [N, 2] working px
+
+    Returns:
+        The source with another rest: long bends as they are, short ones as they were.
+    """
+    if not len(source.rest):
+        return source
+    pull, rhs = np.full((len(source.rest), 1), _RECALL) * (1.0, 0.0, 1.0), _RECALL * source.rest
+    rest = relax(source.rest, shape, source.stiffness(1.0, 0.0), (pull, rhs), SIMILAR.scale, _ITERATIONS)
+    return replace(source, rest=rest, goal=rest)
 
 
 def _edges_between(positions: Floats) -> NDArray[np.intp]:

@@ -12,7 +12,7 @@ from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
 from videovec.propagate.predict import Hold, predict_hidden
 from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
-from videovec.propagate.registration import SETTLE, SIMILAR, Source, register, source_of
+from videovec.propagate.registration import SETTLE, SIMILAR, Source, recall, register, source_of
 from videovec.propagate.support import Support, find_support
 from videovec.propagate.target import Target
 from videovec.settings import PropagateSettings
@@ -30,12 +30,14 @@ class Follower:
     Args:
         life: Its rows so far.
         basis: Its nodes.
+        shape: Where its nodes would be without sudden short bends; see `recall`. [n, 2] px
         velocity: How each node moved in the last step. [n, 2] working px
         unseen: For how many drawings nothing was seen of it.
     """
 
     life: Life
     basis: Basis
+    shape: Floats
     velocity: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     unseen: int = 0
 
@@ -46,8 +48,9 @@ class Follower:
 
 def follow(life: Life, drawing: int, spacing: float) -> Follower:
     """Begin to follow a life from one of its drawings."""
-    basis = basis_of(life.rows[drawing].points, spacing, life.is_closed)
-    return Follower(life, basis, np.zeros((len(basis.u), 2)))
+    points = life.rows[drawing].points
+    basis = basis_of(points, spacing, life.is_closed)
+    return Follower(life, basis, basis.weights @ points, np.zeros((len(basis.u), 2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +89,8 @@ def carry(
     nodes = gather([follower.basis for follower in followers])
     rows = [follower.life.rows[before] for follower in followers]
     points = np.concatenate([np.zeros((0, 2)), *(row.points for row in rows)])
-    source = source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows))
+    shape = np.concatenate([np.zeros((0, 2)), *(follower.shape for follower in followers)])
+    source = recall(source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows)), scale * shape)
     velocity = np.concatenate([np.zeros((0, 2)), *(follower.velocity for follower in followers)])
     find = place_growing if grows else place
     loose, positions = find(source, targets[1], targets[0], velocity)
@@ -97,7 +101,8 @@ def carry(
     positions = _settle(loose, targets[1], positions, support, hold)
     support = find_support(nodes, positions, half_width, targets[1], most_seen)
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
-    strokes = replace(strokes, points=_refined(strokes, points, coverage, settings))
+    rest = nodes.moved(points, source.rest / scale)
+    strokes = replace(strokes, points=_refined(strokes, rest, coverage, settings))
     positions = scale * nodes.positions(strokes.points)
     for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
@@ -105,6 +110,7 @@ def carry(
         follower.life.rows[after] = replace(
             row, points=strokes.points_of(s), visible=visible, confidence=float(support.share[s])
         )
+        follower.shape = source.rest[own] / scale
         follower.velocity = positions[own] - source.rest[own]
         follower.unseen = 0 if visible[1] > visible[0] else follower.unseen + 1
     return Placement(nodes, positions, support, half_width)

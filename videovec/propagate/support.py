@@ -103,10 +103,15 @@ def find_support(
             first[s], last[s] = 0, -1
     known = np.tile([0.0, 1.0], (count, 1)) if most_seen is None else most_seen
     visible = find_ends(nodes, positions, half_width, (first, last, known), target)
-    seen = last >= first
-    first = np.where(seen & (visible[:, 0] <= 0), 0, first)
-    last = np.where(seen & (visible[:, 1] >= 1), np.diff(nodes.starts) - 1, last)
+    for s in np.flatnonzero(last >= first):
+        first[s], last[s] = _within(nodes.bases[s].u, visible[s], (int(first[s]), int(last[s])))
     return Support(supported, first, last, visible, share)
+
+
+def _within(u: Floats, visible: Floats, otherwise: tuple[int, int]) -> tuple[int, int]:
+    """First and last node in the seen part: what lies under another line must not follow that line's ink."""
+    first, last = np.searchsorted(u, [visible[0] - 1e-9, visible[1] + 1e-9])
+    return (int(first), int(last) - 1) if last > first else otherwise
 
 
 def _claimed(nodes: Nodes, positions: Floats, reach: Floats, target: Target) -> Bools:
