@@ -128,17 +128,19 @@ class Nursery:
         return lives
 
     def _is_new(self, life: Life, drawing: int) -> bool:
-        """Whether a traced stroke lies on unexplained ink, and not on what was cut out beside it."""
+        """Whether a traced stroke lies on unexplained ink, and not on what was cut out beside it or crosses it."""
         residual = self._residuals[drawing]
         scale = residual.target.scale
         points = scale * life.rows[0].points
+        half_width = scale * float(life.rows[0].half_width.mean())
+        if arc_length(points) + 2 * half_width < _LEAST:
+            return False
         count = max(2, round(arc_length(points)))
         rows, columns = np.nonzero(residual.target.skeleton)
         left = np.zeros(residual.target.skeleton.shape, bool)
         left[rows[residual.point], columns[residual.point]] = True
-        reach = _BESIDE + scale * float(life.rows[0].half_width.mean())
         gap = sample(distance_to(left)[0], sample_by_arc(points, count))
-        return bool(np.mean(gap <= reach) >= 0.5)
+        return bool(np.mean(gap <= _BESIDE + half_width) >= 0.5)
 
     def _step(self, followers: list[Follower], before: int, after: int, grows: bool = False) -> list[Follower]:
         """Take newborn lives to a neighbouring drawing, over unexplained ink alone; those that are seen there."""

@@ -16,7 +16,19 @@ from videovec.propagate.kernels import assemble, nearest, relax, rotations
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.target import Target
 
-__all__ = ["COARSE", "FINE", "RIGID", "SETTLE", "SIMILAR", "Phase", "Source", "doubled", "recall", "register", "source_of"]
+__all__ = [
+    "COARSE",
+    "FINE",
+    "RIGID",
+    "SETTLE",
+    "SIMILAR",
+    "Phase",
+    "Source",
+    "doubled",
+    "recall",
+    "register",
+    "source_of",
+]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from videovec.propagate.judge import between_nodes
 from videovec.propagate.kernels import nearest
 from videovec.propagate.nodes import Nodes
-from videovec.propagate.target import Target, distance_to
+from videovec.propagate.target import Target, distance_to, sample
 
 __all__ = ["Patch", "Residual", "find_residual", "restricted", "successor"]
 
@@ -22,6 +23,10 @@ _NEAR = 2.5
 """Distance up to which a thin stroke explains ink. px"""
 _BRIDGE = 3
 """Gap over which unexplained centre lines are one patch. px"""
+_ACROSS = 8.0
+"""Gap over which patches are joined where a line crosses them, beyond twice its width. px"""
+_STRAIGHT = 0.85
+"""Cosine of the largest turn at such a gap."""
 _DRIFT = 9
 """Distance by which a patch may move between two drawings. px"""
 
@@ -63,6 +68,8 @@ class Residual:
         belongs = np.isin(self.label[skeleton], numbers) & self.point
         widest = max(patch.half_width for patch in self.patches if patch.number in numbers)
         mask = belongs[self.target.nearest] & (self.target.distance <= widest + 2.0)
+        bridge = np.isin(self.label, numbers).astype(np.uint8)
+        mask |= cv2.dilate(bridge, _disc(round(widest))) > 0
         return np.asarray(cv2.resize(mask.astype(np.uint8), size[::-1], interpolation=cv2.INTER_NEAREST) > 0)
 
 
@@ -90,13 +97,47 @@ def find_residual(nodes: Nodes, positions: Floats, seen: Floats, half_width: Flo
     image = np.zeros(target.skeleton.shape, np.uint8)
     rows, columns = np.nonzero(target.skeleton)
     image[rows[point], columns[point]] = 1
-    wide = cv2.dilate(image, np.ones((_BRIDGE, _BRIDGE), np.uint8))
+    wide = _bridged(cv2.dilate(image, np.ones((_BRIDGE, _BRIDGE), np.uint8)), target, point)
     _, label = cv2.connectedComponents(wide, connectivity=8, ltype=cv2.CV_32S)
     numbers = label[rows[point], columns[point]]
     length = np.bincount(numbers)
     width = np.bincount(numbers, target.half_width[point]) / np.maximum(length, 1)
     patches = tuple(Patch(int(n), int(length[n]), float(width[n])) for n in np.unique(numbers))
     return Residual(target, point, np.asarray(label, np.int32), patches)
+
+
+def _bridged(patches: NDArray[np.uint8], target: Target, point: Bools) -> NDArray[np.uint8]:
+    """Patches joined where another line crosses them: straight on, over its ink."""
+    if not point.any():
+        return patches
+    label = cv2.connectedComponents(patches, connectivity=8, ltype=cv2.CV_32S)[1]
+    rows, columns = np.nonzero(target.skeleton)
+    places, heading = target.points[point], target.direction[point]
+    patch = label[rows[point], columns[point]]
+    reach = 4.0 * float(np.median(target.half_width)) + _ACROSS
+    pairs = cKDTree(places).query_pairs(reach, output_type="ndarray")
+    pairs = pairs[patch[pairs[:, 0]] != patch[pairs[:, 1]]]
+    chord = places[pairs[:, 1]] - places[pairs[:, 0]]
+    gap = np.linalg.norm(chord, axis=1)
+    chord /= np.maximum(gap, 1e-9)[:, None]
+    straight = np.min([np.abs((chord * heading[pairs[:, k]]).sum(1)) for k in (0, 1)], axis=0) >= _STRAIGHT
+    pairs, gap = pairs[straight], gap[straight]
+    between = [places[pairs[:, 0]] * (1 - t) + places[pairs[:, 1]] * t for t in (0.25, 0.5, 0.75)]
+    inked = np.min([sample(target.ink, at) for at in between], axis=0) > target.threshold
+    joined = patches.copy()
+    done: set[tuple[int, int]] = set()
+    for k in np.flatnonzero(inked)[np.argsort(gap[inked], kind="stable")]:
+        low, high = sorted((int(patch[pairs[k, 0]]), int(patch[pairs[k, 1]])))
+        if (low, high) not in done:
+            done.add((low, high))
+            a, b = np.floor(places[pairs[k]]).astype(int)
+            cv2.line(joined, (int(a[0]), int(a[1])), (int(b[0]), int(b[1])), 1, _BRIDGE)
+    return joined
+
+
+def _disc(radius: int) -> NDArray[np.uint8]:
+    size = 2 * max(radius, 0) + 1
+    return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size)), np.uint8)
 
 
 def successor(patch: Patch, residual: Residual, later: Residual) -> list[Patch]:
