@@ -8,7 +8,7 @@ ends one to two decibels higher in the same time. The kernel's scale falls to 1 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +31,9 @@ from videovec.settings import RenderSettings
 from videovec.strokes import Strokes
 
 __all__ = ["Optimised", "PixelTerm", "Schedule", "Term", "optimise"]
+
+STALL, GAIN = 5, 0.01
+"""Gauss-Newton ends when this many steps have lowered the loss by no more than this share of it."""
 
 Term = Callable[[Parameters], Tensor]
 """A weighted scalar that autograd can follow to the parameters."""
@@ -66,7 +69,7 @@ class Schedule:
         floor: Gradient below which a parameter moves less than its rate: along a line nothing pulls, and a rate that
             does not fall with the pull would fold the line onto itself.
         is_newton: Take Gauss-Newton steps where that is possible: on the CPU, with no other terms, opacities kept. They
-            find their own rate, and lists are built twice as often.
+            find their own rate, and take fewer steps where more would gain nothing.
         begin: First of the steps to take now; those before it were taken by earlier calls.
         end: The step to stop before; none for all.
     """
@@ -100,7 +103,7 @@ class Schedule:
 
 
 class Optimised(NamedTuple):
-    """The moved strokes, and the sum of squared coverage errors at active pixels of every step."""
+    """The moved strokes, and the sum of squared coverage errors at active pixels of every step that was taken."""
 
     strokes: Strokes
     losses: NDArray[np.float64]
@@ -165,32 +168,63 @@ def optimise(
 
 
 def _approach(parameters: Parameters, target: NDArray[np.uint8], schedule: Schedule, progress: Progress) -> Optimised:
-    """Gauss-Newton steps; ends with the best strokes that it saw at the last scale."""
+    """Gauss-Newton steps until they gain no more; ends with the best strokes that it saw at the last scale.
+
+    Half as many steps as Adam takes are enough for each scale, and for each pair list.
+    """
     seen, size = torch.from_numpy(target), (target.shape[0], target.shape[1], target.shape[2])
+    schedule = replace(schedule, coarse=schedule.coarse / 2, rebuild=max(schedule.rebuild // 2, 1))
     newton = GaussNewton(parameters, size[0])
-    free = [parameters.points.detach(), parameters.log_half_width.detach()]
-    losses, least, best, last = np.zeros(len(schedule.span)), np.inf, free, 0.0
-    rebuild = max(schedule.rebuild // 2, 1)
+    course, losses, last = _Course(parameters), [], 0.0
     for step in schedule.span:
         scale = schedule.scale_at(step)
         with torch.no_grad():
-            if step == schedule.begin or step % rebuild == 0:
+            if step == schedule.begin or step % schedule.rebuild == 0:
                 intervals = parameters.intervals()
                 pairs = list_pairs(parameters.scene(size, intervals), scale)
             equations = coverage_normal_equations(parameters.scene(size, intervals), pairs, scale, seen)
-        losses[step - schedule.begin] = loss = float(equations.loss.sum())
         if scale != last:
             newton.forget()
-            least = np.inf
-        if loss < least:
-            least, best = loss, [values.clone() for values in free]
-        if step < schedule.span[-1]:
-            newton.step(equations)
+            course = _Course(parameters)
+        losses.append(float(equations.loss.sum()))
+        course.see(losses[-1])
+        if step == schedule.span[-1] or (scale == 1.0 and course.is_over):
+            break
+        newton.step(equations)
         last = scale
         progress.advance()
-    for values, found in zip(free, best, strict=True):
-        values.copy_(found)
-    return Optimised(parameters.to_strokes(), losses)
+    progress.advance(len(schedule.span) - len(losses) + 1)
+    course.go_back()
+    return Optimised(parameters.to_strokes(), np.array(losses))
+
+
+class _Course:
+    """The best that was seen of some parameters while they are moved.
+
+    Args:
+        parameters: What is moved.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._free = [parameters.points.detach(), parameters.log_half_width.detach()]
+        self._best: list[Tensor] = []
+        self._least: list[float] = []
+
+    def see(self, loss: float) -> None:
+        """Take note of the loss of the parameters as they are."""
+        if not self._least or loss < self._least[-1]:
+            self._best = [values.clone() for values in self._free]
+        self._least.append(min([loss, *self._least[-1:]]))
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the last steps have gained next to nothing."""
+        return len(self._least) > STALL and self._least[-1] >= (1 - GAIN) * self._least[-1 - STALL]
+
+    def go_back(self) -> None:
+        """Put the parameters where they were best."""
+        for values, found in zip(self._free, self._best, strict=True):
+            values.copy_(found)
 
 
 def _optimiser(parameters: Parameters, schedule: Schedule) -> tuple[torch.optim.Optimizer, list[float]]:
