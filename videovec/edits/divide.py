@@ -43,33 +43,40 @@ def divide(strokes: Strokes, page: Page, settings: EditSettings) -> Strokes:
     """
     shapes, layers = shapes_of(strokes), layers_of(strokes, page.size)
     residual = page.residual
-    for i, shape in enumerate(shapes):
-        segments = shape.points[3 * np.arange(len(shape.half_width) - 1)[:, None] + np.arange(4)]
-        gain, t = _gains(segments, shape.half_width, residual, shape.opacity)
-        long = np.linalg.norm(np.diff(segments, axis=1), axis=-1).sum(axis=1) > 2.0 * settings.d_min
-        chosen = np.flatnonzero(long & (_SHARE * gain > settings.price * _POINTS))
+    every = [shape.points[3 * np.arange(len(shape.half_width) - 1)[:, None] + np.arange(4)] for shape in shapes]
+    if not every:
+        return strokes
+    widths = [np.stack([shape.half_width[:-1], shape.half_width[1:]], axis=1) for shape in shapes]
+    counts = [len(segments) for segments in every]
+    opacity = np.repeat([shape.opacity for shape in shapes], counts)
+    gain, t = _gains(np.concatenate(every), np.concatenate(widths), residual, opacity)
+    length = np.linalg.norm(np.diff(np.concatenate(every), axis=1), axis=-1).sum(axis=1)
+    is_worth_it = (length > 2.0 * settings.d_min) & (_SHARE * gain > settings.price * _POINTS)
+    begin = np.cumsum([0, *counts])
+    for i, segments in enumerate(every):
+        chosen = np.flatnonzero(is_worth_it[begin[i] : begin[i + 1]])
         if len(chosen):
-            shapes[i] = _divided(shape, segments, chosen, t[chosen])
-            drawn = layers_of(strokes_of([shapes[i]]), page.size)
-            page.exchange([layers[i]], drawn)
+            shapes[i] = _divided(shapes[i], segments, chosen, t[begin[i] + chosen])
+    changed = [i for i in range(len(shapes)) if is_worth_it[begin[i] : begin[i + 1]].any()]
+    drawn = layers_of(strokes_of([shapes[i] for i in changed]), page.size)
+    page.exchange([layers[i] for i in changed], drawn)
     return strokes_of(shapes)
 
 
-def _gains(segments: Floats, half_width: Floats, residual: Floats, opacity: float) -> tuple[Floats, Floats]:
+def _gains(segments: Floats, half_width: Floats, residual: Floats, opacity: Floats) -> tuple[Floats, Floats]:
     """By how much the loss of each segment could fall with a second one, and where it would be split. [n], [n]"""
     t = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
-    number = np.arange(len(segments))[:, None]
     where, slope = evaluate(segments[:, None], t), derivative(segments[:, None], t)
     speed = np.linalg.norm(slope, axis=-1)
     normal = np.stack([-slope[..., 1], slope[..., 0]], axis=-1) / np.maximum(speed, 1e-9)[..., None]
-    reach = width_at(half_width, number, t) + _BEYOND
+    reach = half_width[:, :1] + (half_width[:, 1:] - half_width[:, :1]) * t + _BEYOND
     across = np.arange(_STEP / 2, float(reach.max()), _STEP)
     displaced = np.zeros(speed.shape)
     for offset in (*across, *-across):
         at = where + offset * normal - 0.5
         value = map_coordinates(residual, [at[..., 1], at[..., 0]], order=1, mode="constant")
         displaced += np.where(abs(offset) <= reach, np.sign(offset) * value, 0.0) * _STEP / 2.0
-    peak = opacity * np.minimum(1.0, 2.0 * (reach - _BEYOND))  # coverage on the centre line
+    peak = opacity[:, None] * np.minimum(1.0, 2.0 * (reach - _BEYOND))  # coverage on the centre line
     displaced = np.clip(displaced / np.maximum(peak, 1e-3), -_FARTHEST, _FARTHEST)
     weight = 2.0 * peak**2 * speed / _SAMPLES  # both edges
     whole, left = _unexplained(displaced, weight, t)

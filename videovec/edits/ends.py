@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.curves import reverse, segments_of, split
+from videovec.curves import split
 from videovec.edits.layers import Layer, Page, layers_of
 from videovec.edits.shapes import Shape, shapes_of, strokes_of
 from videovec.settings import EditSettings
@@ -26,7 +26,6 @@ _AGAIN = 2  # times that an end is moved by one of them
 _STRETCH = 0.6  # of its length by which a last segment may be made longer or shorter at a time
 _AROUND = 1.5  # px around an end's cap in which the drawing must be wrong for it to be moved
 _GAIN = 0.1  # prices of a control point that a move must gain
-_REACHES = tuple((is_last, sign) for is_last in (True, False) for sign in (1.0, -1.0))
 
 
 def move_ends(strokes: Strokes, page: Page, settings: EditSettings) -> Strokes:
@@ -53,12 +52,8 @@ def _improve(
     shapes: list[Shape], layers: list[Layer], live: list[int], step: float, page: Page, least: float
 ) -> list[int]:
     """Move ends of some strokes by one step where that gains enough, in place; which strokes were changed."""
-    tried = [
-        (i, moved)
-        for i in live
-        for is_last, sign in _REACHES
-        if _wrong(shapes[i], is_last, page) > least and (moved := _moved(shapes[i], is_last, sign * step)) is not None
-    ]
+    wrong = [(i, at_end) for i in live for at_end in (True, False) if _wrong(shapes[i], at_end, page) > least]
+    tried = _moved(shapes, wrong, step)
     trials = strokes_of([replace(moved, id=n + 1) for n, (_, moved) in enumerate(tried)])
     best: dict[int, tuple[float, Shape, Layer]] = {}
     for (i, moved), layer in zip(tried, layers_of(trials, page.size), strict=True):
@@ -83,15 +78,29 @@ def _wrong(shape: Shape, is_last: bool, page: Page) -> float:
     return float(np.square(page.residual_in(slice(low[1], high[1]), slice(low[0], high[0]))).sum())
 
 
-def _moved(shape: Shape, is_last: bool, length: float) -> Shape | None:
-    """A stroke that is longer at one end by some px, along its last cubic; None where that is too short."""
-    points, widths = (shape.points, shape.half_width) if is_last else reverse(shape.points, shape.half_width)
-    last = segments_of(points)[-1]
-    speed = 3.0 * float(np.linalg.norm(last[3] - last[2]))
-    if speed <= 1e-6 or abs(length) > _STRETCH * speed:
-        return None
-    grown, _ = split(last, 1.0 + length / speed)
-    points = np.concatenate([points[:-4], grown])
-    if not is_last:
-        points, widths = reverse(points, widths)
-    return replace(shape, points=points, half_width=widths)
+def _moved(shapes: list[Shape], ends: list[tuple[int, bool]], step: float) -> list[tuple[int, Shape]]:
+    """Strokes that are longer or shorter at an end by some px, along its last cubic, and which; none too short for it.
+
+    Args:
+        shapes: All strokes.
+        ends: Which of them, and whether it is the last point's end.
+        step: By how much. px
+    """
+    if not ends:
+        return []
+    outward = np.stack([shapes[i].points[-4:] if at_end else shapes[i].points[3::-1] for i, at_end in ends])
+    speed = 3.0 * np.linalg.norm(outward[:, 3] - outward[:, 2], axis=1)
+    moved = []
+    can_move = (speed > 1e-6) & (step <= _STRETCH * speed)
+    length = np.array([step, -step]) / np.maximum(speed, 1e-6)[:, None]
+    grown, _ = split(outward[:, None], 1.0 + length)  # [E, 2, 4, 2]
+    for n in np.flatnonzero(can_move).tolist():
+        i, at_end = ends[n]
+        for cubic in grown[n]:
+            points = shapes[i].points.copy()
+            if at_end:
+                points[-4:] = cubic
+            else:
+                points[:4] = cubic[::-1]
+            moved.append((i, replace(shapes[i], points=points)))
+    return moved

@@ -45,41 +45,62 @@ def remove_joints(strokes: Strokes, page: Page, settings: EditSettings) -> Strok
     """
     shapes = shapes_of(strokes)
     layers = layers_of(strokes, page.size)
-    removals = [_removals(shape, settings) for shape in shapes]
+    removals = _removals(shapes, settings)
     for _ in range(_ROUNDS):
         trials = {i: _apart(found) for i, found in enumerate(removals) if found}
         if not trials:
             break
         changed = [_without(shapes[i], found) for i, found in trials.items()]
         drawn = layers_of(strokes_of(changed), page.size)
+        taken = []
         for (i, found), shape, layer in zip(trials.items(), changed, drawn, strict=True):
             if page.rise([layers[i]], [layer]) <= settings.price * _POINTS * len(found):
                 page.exchange([layers[i]], [layer])
                 shapes[i], layers[i] = shape, layer
-                removals[i] = _removals(shape, settings)
+                taken.append(i)
             else:
                 removals[i] = sorted(found, key=lambda removal: removal.cost)[: len(found) // 2]
+        for i, found in zip(taken, _removals([shapes[i] for i in taken], settings), strict=True):
+            removals[i] = found
     return strokes_of(shapes)
 
 
-def _removals(shape: Shape, settings: EditSettings) -> list[_Removal]:
-    """The joints of a stroke that can go, alone, within the tolerance."""
-    control = shape.points[3 * np.arange(len(shape.half_width) - 1)[:, None] + np.arange(4)]
-    is_smooth = _smooth_joints(control, shape.is_closed)
-    joints = np.flatnonzero(is_smooth[1:-1]) + 1
-    if not len(joints):
-        return []
-    is_held = np.stack([is_smooth[joints - 1], is_smooth[joints + 1]], axis=1)
-    cubics, errors, arcs = span(control[joints - 1], control[joints], is_held)
+def _removals(shapes: list[Shape], settings: EditSettings) -> list[list[_Removal]]:
+    """The joints of each stroke that can go, alone, within the tolerance."""
+    found: list[list[_Removal]] = [[] for _ in shapes]
+    joined = [_inner_joints(shape) for shape in shapes]
+    owner = np.repeat(np.arange(len(shapes)), [len(joints) for joints, _, _ in joined])
+    if not len(owner):
+        return found
+    joints, pairs, is_held = (np.concatenate([parts[n] for parts in joined]) for n in range(3))
+    widths = np.concatenate([_around(shapes[i].half_width, parts[0]) for i, parts in enumerate(joined)])
+    cubics, errors, arcs = span(pairs[:, :4], pairs[:, 3:], is_held)
     cost = 2.0 * (np.square(errors) * arcs).sum(axis=1)  # both edges move by the error
     half = arcs.shape[1] // 2
     total = arcs.sum(axis=1)
     share = arcs[:, :half].sum(axis=1) / np.maximum(total, 1e-9)
-    widths = shape.half_width
-    widened = (1.0 - share) * widths[joints - 1] + share * widths[joints + 1] - widths[joints]
-    cost = (cost + np.square(widened) * total) * np.minimum(1.0, 2.0 * widths[joints]) ** 2
+    widened = (1.0 - share) * widths[:, 0] + share * widths[:, 2] - widths[:, 1]
+    cost = (cost + np.square(widened) * total) * np.minimum(1.0, 2.0 * widths[:, 1]) ** 2
     within = (errors.max(axis=1) <= settings.tolerance) & (cost <= _PROMISE * settings.price * _POINTS)
-    return [_Removal(int(joints[i]), cubics[i], float(cost[i])) for i in np.flatnonzero(within)]
+    for n in np.flatnonzero(within).tolist():
+        found[owner[n]].append(_Removal(int(joints[n]), cubics[n], float(cost[n])))
+    return found
+
+
+def _inner_joints(shape: Shape) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
+    """The joints [B] of a stroke that are no corners, control points from the one before to the one after [B, 7, 2],
+    and whether the line has a direction there that must stay. bool [B, 2]
+    """
+    control = shape.points[3 * np.arange(len(shape.half_width) - 1)[:, None] + np.arange(4)]
+    is_smooth = _smooth_joints(control, shape.is_closed)
+    joints = np.flatnonzero(is_smooth[1:-1]) + 1
+    pairs = shape.points[3 * joints[:, None] + np.arange(-3, 4)]
+    return joints, pairs, np.stack([is_smooth[joints - 1], is_smooth[joints + 1]], axis=1)
+
+
+def _around(values: Floats, joints: NDArray[np.intp]) -> Floats:
+    """Values at the joints before, at and after some. [B, 3]"""
+    return values[joints[:, None] + np.arange(-1, 2)]
 
 
 def _apart(found: list[_Removal]) -> list[_Removal]:
