@@ -8,7 +8,7 @@ import numpy as np
 
 from videovec.edits.divide import divide
 from videovec.edits.drop import drop
-from videovec.edits.ends import move_ends
+from videovec.edits.ends import COARSE, FINE, move_ends
 from videovec.edits.joints import remove_joints
 from videovec.edits.layers import Page, layers_of
 from videovec.edits.merge import merge
@@ -41,7 +41,7 @@ def edit(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
     page = Page(ink.coverage[0], layers_of(strokes, ink.size))
     strokes = drop(strokes, page, settings)
     strokes = merge(strokes, page, settings)
-    strokes = move_ends(strokes, page, settings)
+    strokes = move_ends(strokes, page, settings, COARSE)
     strokes = add_strokes(strokes, page, ink, settings, next_id)
     strokes = remove_joints(strokes, page, settings)
     return divide(strokes, page, settings)
@@ -56,7 +56,7 @@ def finish(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
         settings: The price of a control point.
     """
     page = Page(ink.coverage[0], layers_of(strokes, ink.size))
-    return move_ends(strokes, page, _priced(strokes, ink, settings))
+    return move_ends(strokes, page, _priced(strokes, ink, settings), FINE)
 
 
 def _priced(strokes: Strokes, ink: Ink, settings: EditSettings) -> EditSettings:

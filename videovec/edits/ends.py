@@ -6,6 +6,7 @@ pulls the end out, and where another stroke's ink surrounds it, nothing pulls it
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,31 +18,36 @@ from videovec.edits.shapes import Shape, shapes_of, strokes_of
 from videovec.settings import EditSettings
 from videovec.strokes import Strokes
 
-__all__ = ["move_ends"]
+__all__ = ["COARSE", "FINE", "move_ends"]
 
 Floats = NDArray[np.float64]
 
-_STEPS = (1.5, 0.7, 0.35, 0.15)  # px by which ends are moved out and in, one after the other
+COARSE = (1.5, 0.7)
+"""Steps by which ends are moved out and in, one after the other, where a fit follows that moves them by less. px"""
+FINE = (*COARSE, 0.35, 0.15)
+"""The same where none follows. px"""
+
 _AGAIN = 2  # times that an end is moved by one of them
 _STRETCH = 0.6  # of its length by which a last segment may be made longer or shorter at a time
 _AROUND = 1.5  # px around an end's cap in which the drawing must be wrong for it to be moved
 _GAIN = 0.1  # prices of a control point that a move must gain
 
 
-def move_ends(strokes: Strokes, page: Page, settings: EditSettings) -> Strokes:
+def move_ends(strokes: Strokes, page: Page, settings: EditSettings, steps: Sequence[float]) -> Strokes:
     """Move ends along their lines, out and in, wherever that lowers the error.
 
     Args:
         strokes: Strokes of one drawing.
         page: They drawn, against the ink; changed as they change.
         settings: The price of a control point.
+        steps: `COARSE` or `FINE`. px
 
     Returns:
         The same strokes, some longer or shorter.
     """
     shapes, layers = shapes_of(strokes), layers_of(strokes, page.size)
     least = _GAIN * settings.price
-    for step in _STEPS:
+    for step in steps:
         live = [i for i, shape in enumerate(shapes) if not shape.is_closed]
         for _ in range(_AGAIN):
             live = _improve(shapes, layers, live, step, page, least)

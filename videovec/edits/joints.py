@@ -100,7 +100,7 @@ def _inner_joints(shape: Shape) -> tuple[NDArray[np.intp], Floats, NDArray[np.bo
 
 def _around(values: Floats, joints: NDArray[np.intp]) -> Floats:
     """Values at the joints before, at and after some. [B, 3]"""
-    return values[joints[:, None] + np.arange(-1, 2)]
+    return np.asarray(values[joints[:, None] + np.arange(-1, 2)])
 
 
 def _apart(found: list[_Removal]) -> list[_Removal]:
