@@ -177,7 +177,8 @@ def _side(stations: Stations, sign: float, plan: OutlinePlan) -> Floats:
         if turns:
             joint = int(starts[k + 1]) - 1, int(starts[(k + 1) % len(plan.turns)])
             corner = _corner(stations, sign, joint, int(turns))
-            parts[-1][:, -1, 3] = corner[:, 0, 0]  # a fan has its full width, however tight the side is there
+            pieces[:, joint[0], 3] = corner[:, 0, 0]  # a fan has its full width, however tight the sides are there
+            pieces[:, joint[1], 0] = corner[:, -1, 3]
             parts.append(corner)
     return np.concatenate(parts, axis=1)
 
