@@ -18,6 +18,7 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     for drawing in range(ink.drawing_count):
         alone = ink.at_drawing(drawing)
         strokes = initialise(alone, 0, config.initialise)
-        drawings.append(fit(alone, strokes, config.fit, config.render, progress).strokes.shifted(drawing))
+        fitted = fit(alone, strokes, config.fit, config.render, progress).finished()
+        drawings.append(fitted.strokes.shifted(drawing))
     strokes = link(drawings, config.propagate.search_range)
     return StrokeTracks.of(clip, ink, judge(ink, strokes, resolve_backend(config.render)))

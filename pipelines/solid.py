@@ -4,12 +4,11 @@ from functools import partial
 
 from videovec.brush import propose_textured
 from videovec.clip import Clip
-from videovec.fit import fit, judge
+from videovec.fit import fit
 from videovec.initialise import initialise
 from videovec.ink import extract_ink
 from videovec.progress import Progress
 from videovec.propagate import propagate
-from videovec.render import resolve_backend
 from videovec.settings import Config
 from videovec.start import first_strokes, start_drawing, start_settings
 from videovec.tracks import StrokeTracks
@@ -24,11 +23,10 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     seed = start_drawing(clip, ink, config.initialise)
     begun = first_strokes(ink, seed, config)
     first = fit(ink.at_drawing(seed), begun, start_settings(config), config.render, progress)
-    carried = propagate(ink, first.strokes.shifted(seed), config.propagate, trace, progress)
+    if ink.drawing_count == 1:
+        return StrokeTracks.of(clip, ink, first)
+    carried = propagate(ink, first.finished().strokes.shifted(seed), config.propagate, trace, progress)
     if not config.initialise.reference:  # an artist's strokes stay as they were drawn
         carried = vote(ink, carried, seed, trace, progress)
-    if ink.drawing_count > 1:
-        result = fit(ink, carried.strokes, config.fit, config.render, progress)
-    else:  # it was fitted already
-        result = judge(ink, carried.strokes, resolve_backend(config.render))
+    result = fit(ink, carried.strokes, config.fit, config.render, progress)
     return StrokeTracks.of(clip, ink, result, carried.events)

@@ -22,9 +22,9 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     seed = start_drawing(clip, ink, config.initialise)
     begun = first_strokes(solid, seed, config)
     first = fit(solid.at_drawing(seed), begun, start_settings(config), config.render, progress)
-    carried = propagate(solid, first.strokes.shifted(seed), config.propagate, trace, progress)
+    carried = propagate(solid, first.finished().strokes.shifted(seed), config.propagate, trace, progress)
     strokes = carried.strokes
     if ink.drawing_count > 1:  # a still was fitted already
-        strokes = fit(solid, strokes, config.fit, config.render, progress).strokes
+        strokes = fit(solid, strokes, config.fit, config.render, progress).finished().strokes
     textured = fit_brushes(ink, strokes, config.brush, progress, config.seed)
     return StrokeTracks.of(clip, ink, textured.result, carried.events, textured.brushwork)

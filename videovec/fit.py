@@ -15,7 +15,7 @@ from videovec.drawing_terms import drawing_terms
 from videovec.edits import edit, finish
 from videovec.evidence import Evidence, gather_evidence
 from videovec.ink import Ink
-from videovec.optimise import Schedule, Term, optimise
+from videovec.optimise import Interrupted, Schedule, Term, optimise
 from videovec.parameters import Parameters
 from videovec.progress import Progress, Silent
 from videovec.render import Backend, render_image, resolve_backend
@@ -39,11 +39,23 @@ class FitResult:
         strokes: S strokes over D drawings.
         evidence: Error and support of each row.
         psnr: Of the rendered coverage against the seen one, for each drawing. dB [D]
+        is_finished: Whether the fit came to its end, and was not interrupted by Ctrl-C.
     """
 
     strokes: Strokes
     evidence: Evidence
     psnr: NDArray[np.float64]
+    is_finished: bool = True
+
+    def finished(self) -> FitResult:
+        """Itself.
+
+        Raises:
+            KeyboardInterrupt: The fit was interrupted, and this is no stage to end with.
+        """
+        if not self.is_finished:
+            raise KeyboardInterrupt
+        return self
 
 
 def fit(
@@ -57,7 +69,8 @@ def fit(
     """Optimise strokes over all the drawings of their lives.
 
     A long clip is taken in windows that overlap: each window is fitted together with its surroundings, so that the
-    temporal terms see across its edges, and memory does not grow with the clip.
+    temporal terms see across its edges, and memory does not grow with the clip. Ctrl-C ends the fit with the strokes as
+    they are.
 
     Args:
         ink: What is drawn. D drawings
@@ -77,30 +90,44 @@ def fit(
     schedule = _schedule(settings, ink.drawing_count)
     progress.stage("fit", schedule.steps * len(windows))
     if ink.drawing_count == 1:
-        return judge(ink, _fit_drawing(ink, strokes, settings, backend, progress), backend)
+        strokes, is_finished = _fit_drawing(ink, strokes, settings, backend, progress)
+        return replace(judge(ink, strokes, backend), is_finished=is_finished)
+    is_finished = True
     for first, last in windows:
         around = max(0, first - settings.overlap), min(ink.drawing_count - 1, last + settings.overlap)
         part = strokes.within(*around).shifted(-around[0])
         target = ink.coverage[around[0] : around[1] + 1]
         terms = _terms(part, settings.weights, backend.device)
-        fitted = optimise(
-            part, target, schedule, [*terms, *_pinned(part, around[0], pins, backend.device)], backend, progress
-        ).strokes
+        try:
+            fitted = optimise(
+                part, target, schedule, [*terms, *_pinned(part, around[0], pins, backend.device)], backend, progress
+            ).strokes
+        except Interrupted as stop:
+            fitted, is_finished = stop.strokes, False
         strokes = strokes.with_rows_of(fitted.shifted(around[0]).within(first, last))
-    return judge(ink, _restored(strokes, given, pins), backend)
+        if not is_finished:
+            break
+    return replace(judge(ink, _restored(strokes, given, pins), backend), is_finished=is_finished)
 
 
-def _fit_drawing(ink: Ink, strokes: Strokes, settings: FitSettings, backend: Backend, progress: Progress) -> Strokes:
-    """Fit one drawing, and edit its strokes every so many steps."""
+def _fit_drawing(
+    ink: Ink, strokes: Strokes, settings: FitSettings, backend: Backend, progress: Progress
+) -> tuple[Strokes, bool]:
+    """Fit one drawing, and edit its strokes every so many steps; whether that came to its end."""
     every = settings.edits.every or settings.steps
     schedule = _schedule(settings, 1)
-    for begin in range(0, settings.steps, max(every, 1)):
-        if begin > 0:
-            strokes = edit(strokes, ink, settings.edits)
-        part = replace(schedule, begin=begin, end=min(begin + every, settings.steps))
-        terms = drawing_terms(strokes, ink.coverage, settings, backend.device)
-        strokes = optimise(strokes, ink.coverage, part, terms, backend, progress).strokes
-    return finish(strokes, ink, settings.edits) if settings.edits.every else strokes
+    try:
+        for begin in range(0, settings.steps, max(every, 1)):
+            if begin > 0:
+                strokes = edit(strokes, ink, settings.edits)
+            part = replace(schedule, begin=begin, end=min(begin + every, settings.steps))
+            terms = drawing_terms(strokes, ink.coverage, settings, backend.device)
+            strokes = optimise(strokes, ink.coverage, part, terms, backend, progress).strokes
+        return finish(strokes, ink, settings.edits) if settings.edits.every else strokes, True
+    except Interrupted as stop:
+        return stop.strokes, False
+    except KeyboardInterrupt:
+        return strokes, False
 
 
 def judge(ink: Ink, strokes: Strokes, backend: Backend) -> FitResult:

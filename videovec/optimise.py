@@ -30,10 +30,12 @@ from videovec.render import (
 from videovec.settings import RenderSettings
 from videovec.strokes import Strokes
 
-__all__ = ["Optimised", "PixelTerm", "Schedule", "Term", "optimise"]
+__all__ = ["Interrupted", "Optimised", "PixelTerm", "Schedule", "Term", "optimise"]
 
 STALL, GAIN = 5, 0.01
 """Gauss-Newton ends when this many steps have lowered the loss by no more than this share of it."""
+
+Losses = NDArray[np.float64]
 
 Term = Callable[[Parameters], Tensor]
 """A weighted scalar that autograd can follow to the parameters."""
@@ -102,11 +104,23 @@ class Schedule:
         return 0.1 + 0.45 * (1 + float(np.cos(np.pi * step / max(self.steps, 1))))
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C while strokes were moved.
+
+    Args:
+        strokes: As they were then.
+    """
+
+    def __init__(self, strokes: Strokes) -> None:
+        super().__init__()
+        self.strokes = strokes
+
+
 class Optimised(NamedTuple):
     """The moved strokes, and the sum of squared coverage errors at active pixels of every step that was taken."""
 
     strokes: Strokes
-    losses: NDArray[np.float64]
+    losses: Losses
 
 
 def optimise(
@@ -129,16 +143,30 @@ def optimise(
 
     Returns:
         The strokes of the same topology and lives, and the course of the loss.
+
+    Raises:
+        Interrupted: The user wants it to end; with the strokes as they are.
     """
     progress = progress or Silent()
     if not len(strokes) or not schedule.span:
         return Optimised(strokes, np.zeros(0))
     backend = backend or resolve_backend(RenderSettings())
     parameters = Parameters.of(strokes, backend.device)
-    if schedule.is_newton and backend.name == "numba" and not terms and schedule.opacity_rate == 0:
-        return _approach(parameters, target, schedule, progress)
-    seen = torch.as_tensor(target, device=backend.device)
-    size = (target.shape[0], target.shape[1], target.shape[2])
+    try:
+        if schedule.is_newton and backend.name == "numba" and not terms and schedule.opacity_rate == 0:
+            losses = _approach(parameters, target, schedule, progress)
+        else:
+            losses = _descend(parameters, torch.as_tensor(target, device=backend.device), schedule, terms, progress)
+    except KeyboardInterrupt as stop:
+        raise Interrupted(parameters.to_strokes()) from stop
+    return Optimised(parameters.to_strokes(), losses)
+
+
+def _descend(
+    parameters: Parameters, seen: Tensor, schedule: Schedule, terms: Sequence[Term | PixelTerm], progress: Progress
+) -> Losses:
+    """Steps of Adam."""
+    size = (seen.shape[0], seen.shape[1], seen.shape[2])
     optimiser, rates = _optimiser(parameters, schedule)
     pixel_terms = [term for term in terms if isinstance(term, PixelTerm)]
     smooth_terms = [term for term in terms if not isinstance(term, PixelTerm)]
@@ -164,10 +192,10 @@ def optimise(
         optimiser.step()
         losses.append(match.loss.sum())  # read at the end: reading makes the device wait
         progress.advance()
-    return Optimised(parameters.to_strokes(), torch.stack(losses).cpu().numpy())
+    return torch.stack(losses).cpu().numpy()
 
 
-def _approach(parameters: Parameters, target: NDArray[np.uint8], schedule: Schedule, progress: Progress) -> Optimised:
+def _approach(parameters: Parameters, target: NDArray[np.uint8], schedule: Schedule, progress: Progress) -> Losses:
     """Gauss-Newton steps until they gain no more; ends with the best strokes that it saw at the last scale.
 
     Half as many steps as Adam takes are enough for each scale, and for each pair list.
@@ -176,26 +204,28 @@ def _approach(parameters: Parameters, target: NDArray[np.uint8], schedule: Sched
     schedule = replace(schedule, coarse=schedule.coarse / 2, rebuild=max(schedule.rebuild // 2, 1))
     newton = GaussNewton(parameters, size[0])
     course, losses, last = _Course(parameters), [], 0.0
-    for step in schedule.span:
-        scale = schedule.scale_at(step)
-        with torch.no_grad():
-            if step == schedule.begin or step % schedule.rebuild == 0:
-                intervals = parameters.intervals()
-                pairs = list_pairs(parameters.scene(size, intervals), scale)
-            equations = coverage_normal_equations(parameters.scene(size, intervals), pairs, scale, seen)
-        if scale != last:
-            newton.forget()
-            course = _Course(parameters)
-        losses.append(float(equations.loss.sum()))
-        course.see(losses[-1])
-        if step == schedule.span[-1] or (scale == 1.0 and course.is_over):
-            break
-        newton.step(equations)
-        last = scale
-        progress.advance()
+    try:
+        for step in schedule.span:
+            scale = schedule.scale_at(step)
+            with torch.no_grad():
+                if step == schedule.begin or step % schedule.rebuild == 0:
+                    intervals = parameters.intervals()
+                    pairs = list_pairs(parameters.scene(size, intervals), scale)
+                equations = coverage_normal_equations(parameters.scene(size, intervals), pairs, scale, seen)
+            if scale != last:
+                newton.forget()
+                course = _Course(parameters)
+            losses.append(float(equations.loss.sum()))
+            course.see(losses[-1])
+            if step == schedule.span[-1] or (scale == 1.0 and course.is_over):
+                break
+            newton.step(equations)
+            last = scale
+            progress.advance()
+    finally:
+        course.go_back()
     progress.advance(len(schedule.span) - len(losses) + 1)
-    course.go_back()
-    return Optimised(parameters.to_strokes(), np.array(losses))
+    return np.array(losses)
 
 
 class _Course:
@@ -223,7 +253,7 @@ class _Course:
 
     def go_back(self) -> None:
         """Put the parameters where they were best."""
-        for values, found in zip(self._free, self._best, strict=True):
+        for values, found in zip(self._free, self._best, strict=False):  # none was seen yet: stay
             values.copy_(found)
 
 

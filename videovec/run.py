@@ -28,6 +28,9 @@ from videovec.tracks import StrokeTracks
 
 __all__ = ["Outcome", "Plan", "Request", "carry_out", "find_pipeline", "prepare", "run", "track"]
 
+GOES_ON = frozenset({"solid"})
+"""Pipelines whose last stage is the fit, which can go on from strokes that it was interrupted with."""
+
 Pipeline = Callable[[Clip, Config, Progress], StrokeTracks]
 
 
@@ -128,8 +131,11 @@ def track(
 def carry_out(request: Request, progress: Progress | None = None) -> Outcome:
     """Do what is asked; whenever it ends, what is finished is kept.
 
+    A fit that Ctrl-C ends is written as far as it came, and the next run of the same goes on from there.
+
     Raises:
         UserError: The clip, a setting or the folder cannot be used.
+        KeyboardInterrupt: The user wanted it to end.
     """
     watch = Stopwatch(progress or Silent())
     plan = prepare(request, watch)
@@ -148,15 +154,23 @@ def carry_out(request: Request, progress: Progress | None = None) -> Outcome:
     else:
         folder.remove_stale(set(plan.record.outputs) - written)
     record = replace(
-        record, status="done", outputs=tuple(sorted(written)), seconds={**record.seconds, **watch.seconds()}
+        record,
+        status="done" if tracks.is_finished else "unfinished",
+        outputs=tuple(sorted(written)),
+        seconds={**record.seconds, **watch.seconds()},
     )
     folder.write_record(record)
+    if not tracks.is_finished:
+        raise KeyboardInterrupt
     return Outcome(tracks, folder, record)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """A request that was found possible: the decoded clip, where results go, and what run.json says before it runs."""
+    """A request that was found possible: the decoded clip, where results go, and what run.json says before it runs.
+
+    The folder may hold the strokes (``is_fitted``), or what an interrupted fit had made of them (``is_begun``).
+    """
 
     request: Request
     clip: Clip
@@ -164,6 +178,7 @@ class Plan:
     folder: RunFolder
     record: RunRecord
     is_fitted: bool
+    is_begun: bool = False
 
 
 def prepare(request: Request, progress: Progress) -> Plan:
@@ -183,7 +198,8 @@ def prepare(request: Request, progress: Progress) -> Plan:
     if before is not None:
         kept = before if is_fitted else replace(record, outputs=before.outputs)
         record = replace(kept, config=record.config)
-    return Plan(request, clip, pipeline, folder, record, is_fitted)
+    is_begun = request.resume and before is not None and before.is_begun_as(record) and folder.has_tracks()
+    return Plan(request, clip, pipeline, folder, record, is_fitted, is_begun)
 
 
 def find_pipeline(name: str) -> Pipeline:
@@ -209,14 +225,21 @@ def _fit(plan: Plan, watch: Stopwatch) -> tuple[StrokeTracks, RunRecord]:
     folder.write_record(record)
     try:
         prepare_backend(resolve_backend(plan.request.config.render), watch)
-        tracks = plan.pipeline(plan.clip, plan.request.config, watch)
+        if plan.is_begun and plan.request.config.pipeline in GOES_ON:
+            watch.note("the last run was interrupted while it fitted: this one goes on from its strokes")
+            tracks = correct(StrokeTracks.load(folder.path / TRACKS), plan.clip, (), plan.request.config, watch)
+        else:
+            tracks = plan.pipeline(plan.clip, plan.request.config, watch)
     except BaseException as error:
         status = "interrupted" if isinstance(error, KeyboardInterrupt) else "failed"
         folder.write_record(replace(record, status=status, seconds=watch.seconds()))
         raise
+    if not tracks.is_finished:
+        watch.note("interrupted: the strokes are kept and written as far as they are fitted; run it again to go on")
     tracks.save(folder.path / TRACKS)
     quality = measure(plan.clip, tracks, plan.request.config.render, watch)
-    record = replace(record, status="fitted", seconds=watch.seconds(), **_figures(tracks, quality))
+    status = "fitted" if tracks.is_finished else "unfinished"
+    record = replace(record, status=status, seconds=watch.seconds(), **_figures(tracks, quality))
     folder.write_record(record)
     return tracks, record
 

@@ -28,7 +28,8 @@ class RunRecord:
     """What run.json holds.
 
     Args:
-        status: running, fitted (strokes are saved), done, interrupted or failed.
+        status: running, fitted (strokes are saved), done, unfinished (strokes are saved as far as they were fitted when
+            the fit was interrupted), interrupted or failed.
         source: Where the clip is.
         frames: The part of it that was asked for: start, stop and step of a slice.
         clip: Frames, drawings, height, width, seconds.
@@ -61,8 +62,14 @@ class RunRecord:
 
     def is_fitted_as(self, other: RunRecord) -> bool:
         """Whether its strokes are finished, and are those of the clip and the settings of ``other``."""
-        is_same = (self.clip_hash, self.config_hash) == (other.clip_hash, other.config_hash)
-        return is_same and self.status in {"fitted", "done"}
+        return self._is_of(other) and self.status in {"fitted", "done"}
+
+    def is_begun_as(self, other: RunRecord) -> bool:
+        """Whether its strokes are those of an interrupted fit of the clip and the settings of ``other``."""
+        return self._is_of(other) and self.status == "unfinished"
+
+    def _is_of(self, other: RunRecord) -> bool:
+        return (self.clip_hash, self.config_hash) == (other.clip_hash, other.config_hash)
 
 
 def default_folder(source: str | Path) -> Path:

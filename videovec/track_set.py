@@ -38,6 +38,7 @@ class TrackSet:
         error: Root mean square coverage error under each row. [R]
         confidence: How well each row's ink supports it, in [0, 1]. [R]
         brushwork: The brushes of textured lines; none for solid ones.
+        is_finished: Whether the fit behind them came to its end, and was not interrupted.
     """
 
     name: str
@@ -49,6 +50,7 @@ class TrackSet:
     error: Floats
     confidence: Floats
     brushwork: Brushwork | None = None
+    is_finished: bool = True
 
     def __post_init__(self) -> None:
         rows = self.strokes.row_count

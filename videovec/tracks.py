@@ -70,6 +70,7 @@ class StrokeTracks(TrackSet):
             error=evidence.error,
             confidence=evidence.support,
             brushwork=brushwork,
+            is_finished=result.is_finished,
         )
 
     def at_frame(self, frame: int) -> list[StrokeShape]:
@@ -239,6 +240,7 @@ class StrokeTracks(TrackSet):
             "page": self.page,
             "error": self.error,
             "confidence": self.confidence,
+            "is_finished": np.array(self.is_finished),
         }
         parts = (
             pack_timeline(self.timeline),
@@ -273,6 +275,7 @@ class StrokeTracks(TrackSet):
             error=arrays["error"].astype(np.float64),
             confidence=arrays["confidence"].astype(np.float64),
             brushwork=unpack_brushwork(arrays),
+            is_finished=bool(arrays.get("is_finished", True)),
         )
 
     def to_json(self) -> str:
