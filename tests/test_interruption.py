@@ -82,7 +82,7 @@ def test_an_interrupted_optimisation_brings_its_strokes_along(is_newton: bool) -
     target = ink_of(truth, 1).coverage
     schedule = Schedule(steps=60, scale=1.0, is_newton=is_newton)
     with pytest.raises(Interrupted) as stop:
-        optimise(start, target, schedule, progress=Impatient("", 5))
+        optimise(start, target, schedule, progress=Impatient("", 5, time=0))
     before, after = (np.abs(strokes.points - truth.points).mean() for strokes in (start, stop.value.strokes))
     assert after < 0.95 * before
 
@@ -116,7 +116,7 @@ def test_what_an_interrupted_run_has_fitted_is_written_and_the_next_run_goes_on(
     early = StrokeTracks.load(tmp_path / "out" / "tracks.npz")
     assert not early.is_finished
 
-    patient = Impatient("", 0)
+    patient = Impatient("", -1)
     outcome = carry_out(request, patient)
     assert any("goes on" in note for note in patient.notes)
     assert outcome.record.status == "done"
