@@ -188,14 +188,14 @@ def test_strokes_belong_to_the_drawing_that_was_asked_for() -> None:
     assert strokes.is_closed.all()
 
 
-def test_a_clear_junction_has_a_larger_margin_than_a_doubtful_one() -> None:
+def test_a_clear_junction_is_surer_than_a_doubtful_one() -> None:
     bar = straight((12, 64), (116, 64))
     clear = trace(ink(paint([bar, straight((64, 64), (64, 115))], 3.0)), 0, SETTINGS).junctions
     fork = [straight((64, 64), (64, 12)), straight((64, 64), (34, 112)), straight((64, 64), (94, 112))]
     doubtful = trace(ink(paint(fork, 3.0)), 0, SETTINGS).junctions
     assert len(clear) == len(doubtful) == 1
     np.testing.assert_allclose(clear[0].position, (64.0, 64.0), atol=1.5)
-    assert clear[0].margin > 50.0 > 15.0 > doubtful[0].margin
+    assert clear[0].log_odds > 2.0 > 0.6 > doubtful[0].log_odds
 
 
 def test_every_curve_lies_within_the_tolerance_of_its_ink() -> None:

@@ -1,18 +1,22 @@
-"""Which branches of a junction are one stroke."""
+"""Which branches of a junction are one stroke, and how sure that is."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.initialise.arrangement import arrange
 from videovec.initialise.graph import Graph
+from videovec.initialise.junction_features import describe
+from videovec.initialise.junction_net import load_net, score_pairs
 from videovec.initialise.polyline import angle_between, direction, end_tangent
 from videovec.initialise.prune import Widths
 
-__all__ = ["Pairing", "pair_branches"]
+__all__ = ["Pairing", "Pairs", "choose", "matchings", "pair_branches", "pair_by_net", "turns"]
 
 Floats = NDArray[np.float64]
 End = tuple[int, int]
@@ -23,6 +27,7 @@ _LEAST_SKIP = 1.0  # px
 _REACH = 3.0  # widths over which its direction is told
 _LEAST_REACH = 6.0  # px
 _MOST_ARMS = 7  # beyond so many branches all matchings are too many to try
+_DEGREES_PER_LOGIT = 25.0  # by which a decision by turns is e times likelier to be right
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,26 +39,53 @@ class Pairing:
         ends: Its branch ends, as (branch, 0 for start or 1 for stop).
         links: Pairs of positions in ``ends`` that are one stroke each.
         runner_up: The next best decision.
-        margin: By how much the decision is better, as a turn. degrees
+        log_odds: Logarithm of the odds that the decision is right; 0 where it is as likely wrong.
     """
 
     node: int
     ends: tuple[End, ...]
     links: Pairs
     runner_up: Pairs
-    margin: float
+    log_odds: float
 
 
-def _matchings(arms: tuple[int, ...]) -> Iterator[Pairs]:
+def _pairings_of(arms: tuple[int, ...]) -> Iterator[Pairs]:
     """All ways to pair some of the arms, every arm at most once."""
     if len(arms) < 2:
         yield ()
         return
     head, rest = arms[0], arms[1:]
-    yield from _matchings(rest)
+    yield from _pairings_of(rest)
     for other in rest:
-        for pairs in _matchings(tuple(arm for arm in rest if arm != other)):
+        for pairs in _pairings_of(tuple(arm for arm in rest if arm != other)):
             yield ((head, other), *pairs)
+
+
+@cache
+def matchings(count: int) -> tuple[Pairs, ...]:
+    """All ways to pair some of so many arms."""
+    return tuple(_pairings_of(tuple(range(count))))
+
+
+def _greedy(gain: Floats) -> Pairs:
+    """The pairs of largest gain, one after the other."""
+    count = len(gain)
+    pairs: list[tuple[int, int]] = []
+    free = set(range(count))
+    for flat in np.argsort(-gain, axis=None, kind="stable"):
+        i, j = divmod(int(flat), count)
+        if i < j and i in free and j in free and gain[i, j] > 0.0:
+            pairs.append((i, j))
+            free -= {i, j}
+    return tuple(pairs)
+
+
+def _ranked(gain: Floats) -> tuple[tuple[Pairs, ...], Floats]:
+    """All matchings and their summed gains, the best first."""
+    every = matchings(len(gain))
+    total = np.array([sum(gain[i, j] for i, j in pairs) for pairs in every])
+    order = np.argsort(-total, kind="stable")
+    return tuple(every[k] for k in order), total[order]
 
 
 def turns(lines: list[Floats], width: float) -> Floats:
@@ -81,22 +113,12 @@ def turns(lines: list[Floats], width: float) -> Floats:
     return cost
 
 
-def _decide(cost: Floats, max_turn: float) -> tuple[Pairs, Pairs, float]:
-    """Best and second best matching and the margin between them, as a difference of turns in degrees."""
-    count = len(cost)
+def _by_turn(cost: Floats, max_turn: float) -> tuple[Pairs, Pairs, float]:
+    """Best and second best matching, and how much less the best one turns. degrees"""
     gain = np.cos(np.radians(cost)) - np.cos(np.radians(max_turn))
-    if count > _MOST_ARMS:
-        pairs: list[tuple[int, int]] = []
-        free = set(range(count))
-        for flat in np.argsort(-gain, axis=None, kind="stable"):
-            i, j = divmod(int(flat), count)
-            if i < j and i in free and j in free and gain[i, j] > 0.0:
-                pairs.append((i, j))
-                free -= {i, j}
-        return tuple(pairs), (), 0.0
-    ranked = sorted(
-        (pairs for pairs in _matchings(tuple(range(count)))), key=lambda pairs: -sum(gain[i, j] for i, j in pairs)
-    )
+    if len(cost) > _MOST_ARMS:
+        return _greedy(gain), (), 0.0
+    ranked = _ranked(gain)[0]
     best, second = ranked[0], ranked[1] if len(ranked) > 1 else ()
     worst = [
         max((cost[i, j] for i, j in set(a) - set(b)), default=max_turn) for a, b in ((best, second), (second, best))
@@ -105,7 +127,7 @@ def _decide(cost: Floats, max_turn: float) -> tuple[Pairs, Pairs, float]:
 
 
 def pair_branches(graph: Graph, widths: Widths, max_turn: float) -> list[Pairing]:
-    """Decide at every junction which branches run on into which.
+    """Decide at every junction which branches run on into which, by how much they would turn.
 
     Args:
         graph: A clean skeleton graph.
@@ -121,6 +143,50 @@ def pair_branches(graph: Graph, widths: Widths, max_turn: float) -> list[Pairing
         if len(ends) < 2:
             continue
         lines = [graph.outward(*end).line for end in ends]
-        best, second, margin = _decide(turns(lines, widths.at(graph, node)), max_turn)
-        pairings.append(Pairing(node, ends, best, second, margin))
+        best, second, margin = _by_turn(turns(lines, widths.at(graph, node)), max_turn)
+        pairings.append(Pairing(node, ends, best, second, margin / _DEGREES_PER_LOGIT))
+    return pairings
+
+
+def choose(score: Floats) -> tuple[Pairs, Pairs, float]:
+    """The likeliest matching of K arms, the second, and the log-odds of the first, if the log-probability of a matching
+    is the sum of its pairs' scores up to a constant.
+
+    Args:
+        score: Of each pair. [K, K]
+    """
+    if len(score) > _MOST_ARMS:
+        return _greedy(score), (), 0.0
+    ranked, total = _ranked(score)
+    rivals = total[1:] - total[0]
+    return ranked[0], ranked[1], -float(np.logaddexp.reduce(rivals))
+
+
+def pair_by_net(graph: Graph, widths: Widths) -> list[Pairing]:
+    """Decide at every junction which branches run on into which, as a network learned it from drawings.
+
+    Args:
+        graph: A clean skeleton graph.
+        widths: How wide lines are.
+
+    Returns:
+        One decision for each node with two or more branch ends.
+    """
+    if not graph.branches:
+        return []
+    drawn = arrange(graph, widths)
+    scores = score_pairs(load_net(), drawn, describe(drawn))
+    index = {end: number for number, end in enumerate(drawn.ends)}
+    of_pair = dict(zip(map(tuple, drawn.pairs.tolist()), scores.tolist(), strict=True))
+    pairings = []
+    for node in graph.nodes():
+        ends = tuple(graph.ends_at(node))
+        if len(ends) < 2:
+            continue
+        score = np.zeros((len(ends), len(ends)))
+        for i, one in enumerate(ends):
+            for j in range(i):
+                pair = index[one], index[ends[j]]
+                score[i, j] = score[j, i] = of_pair[pair] if pair in of_pair else of_pair[pair[::-1]]
+        pairings.append(Pairing(node, ends, *choose(score)))
     return pairings

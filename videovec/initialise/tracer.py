@@ -13,7 +13,7 @@ from videovec.initialise.centreline import centre_line, chains, closed_line
 from videovec.initialise.crossings import bridge_gaps, is_sliver, lies_amid
 from videovec.initialise.cubics import fit_spline
 from videovec.initialise.graph import Graph, polyline_length, skeleton_graph
-from videovec.initialise.junctions import Pairing, pair_branches
+from videovec.initialise.junctions import Pairing, pair_branches, pair_by_net
 from videovec.initialise.lines import line_mask
 from videovec.initialise.prune import Widths, clean
 from videovec.initialise.thinning import thin
@@ -22,7 +22,7 @@ from videovec.ink import Ink, ink_alone
 from videovec.settings import InitialiseSettings
 from videovec.strokes import Strokes
 
-__all__ = ["Junction", "Traced", "initialise", "trace"]
+__all__ = ["Junction", "Traced", "cleaned_graph", "initialise", "trace"]
 
 Floats = NDArray[np.float64]
 Coverage = NDArray[np.float32]
@@ -39,14 +39,14 @@ class Junction:
         arms: Direction in which each branch leaves. [K, 2]
         links: Pairs of arms that are one stroke.
         runner_up: The second best decision.
-        margin: By how much the decision beats it, as a turn; under 30 degrees it is little better than chance.
+        log_odds: Logarithm of the odds that the decision is right; 0 where it is as likely wrong.
     """
 
     position: Floats
     arms: Floats
     links: tuple[tuple[int, int], ...]
     runner_up: tuple[tuple[int, int], ...]
-    margin: float
+    log_odds: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,7 +100,7 @@ def _junctions(graph: Graph, pairings: list[Pairing]) -> list[Junction]:
             arms.append(arm / max(float(np.linalg.norm(arm)), 1e-9))
         result.append(
             Junction(
-                graph.position[pairing.node].copy(), np.stack(arms), pairing.links, pairing.runner_up, pairing.margin
+                graph.position[pairing.node].copy(), np.stack(arms), pairing.links, pairing.runner_up, pairing.log_odds
             )
         )
     return result
@@ -127,7 +127,7 @@ def _dots(graph: Graph, coverage: Coverage, others: Coverage) -> tuple[list[Floa
     return curves, half_widths
 
 
-def _cleaned_graph(coverage: Coverage, noise: float) -> tuple[Graph, Widths] | None:
+def cleaned_graph(coverage: Coverage, noise: float) -> tuple[Graph, Widths] | None:
     """The graph of one ink's lines and how wide they are; nothing where there are no lines."""
     lines = line_mask(coverage, noise)
     if not lines.mask.any():
@@ -141,11 +141,12 @@ def _cleaned_graph(coverage: Coverage, noise: float) -> tuple[Graph, Widths] | N
 
 def _trace_coverage(coverage: Coverage, others: Coverage, noise: float, settings: InitialiseSettings) -> _Lines:
     """Strokes of one ink, among those of the others."""
-    cleaned = _cleaned_graph(coverage, noise)
+    cleaned = cleaned_graph(coverage, noise)
     if cleaned is None:
         return _Lines([], [], [], [])
     graph, widths = cleaned
-    pairings = pair_branches(graph, widths, settings.max_turn)
+    is_learned = settings.junctions == "learned"
+    pairings = pair_by_net(graph, widths) if is_learned else pair_branches(graph, widths, settings.max_turn)
     is_alone = not others.any()
     bridges = [] if is_alone else bridge_gaps(graph, widths, coverage + others)
     found = [centre_line(graph, chain, widths, coverage) for chain in chains(graph, pairings + bridges)]
