@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from videovec.render import CoverageMatch, Scene
-from videovec.strokes import Layout, Strokes
+from videovec.strokes import Strokes
 from videovec.visibility import visible_intervals
 
 __all__ = ["Parameters"]
@@ -111,7 +112,7 @@ class Parameters:
 
     def to_strokes(self) -> Strokes:
         """The strokes that the tensors stand for now."""
-        point, joint = _ties(self.strokes.layout, self.strokes.is_closed)
+        point, joint = _ties(self.strokes)
         opacity = _numpy(torch.sigmoid(self.logit_opacity))
         return replace(
             self.strokes,
@@ -127,7 +128,7 @@ def _numpy(tensor: Tensor) -> NDArray[np.float64]:
 
 def _index(strokes: Strokes, device: torch.device | str) -> _Index:
     layout = strokes.layout
-    point, joint = _ties(layout, strokes.is_closed)
+    point, joint = _ties(strokes)
     rows = np.lexsort((strokes.layer[layout.row_stroke], layout.row_drawing))
     rank = np.empty_like(rows)
     rank[rows] = np.arange(len(rows))
@@ -146,11 +147,31 @@ def _index(strokes: Strokes, device: torch.device | str) -> _Index:
     )
 
 
-def _ties(layout: Layout, is_closed: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """The point [P] and the joint [J] that stand behind each one: itself, or its row's first where a stroke closes."""
+def _ties(strokes: Strokes) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The point [P] and the joint [J] that stand behind each one.
+
+    Itself, or its row's first where a stroke closes; for a part beyond a gap, that of its parent.
+    """
+    layout = strokes.layout
     point = np.arange(int(layout.row_points[-1]))
     joint = np.arange(int(layout.row_joints[-1]))
-    rows = np.flatnonzero(is_closed[layout.row_stroke])
+    rows = np.flatnonzero(strokes.is_closed[layout.row_stroke])
     point[layout.row_points[rows + 1] - 1] = layout.row_points[rows]
     joint[layout.row_joints[rows + 1] - 1] = layout.row_joints[rows]
+    for row, other in _rows_of_parents(strokes):
+        for behind, starts in ((point, layout.row_points), (joint, layout.row_joints)):
+            behind[starts[row] : starts[row + 1]] = behind[starts[other] : starts[other + 1]]
     return point, joint
+
+
+def _rows_of_parents(strokes: Strokes) -> Iterator[tuple[int, int]]:
+    """Each row of a part beyond a gap, and its parent's on the same drawing if that is there."""
+    layout = strokes.layout
+    position = {identity: s for s, identity in enumerate(strokes.ids.tolist())}
+    for child in np.flatnonzero(strokes.parent).tolist():
+        parent = position.get(int(strokes.parent[child]))
+        if parent is None or layout.segments[parent] != layout.segments[child]:
+            continue
+        first, last = (int(f(x[[child, parent]])) for f, x in ((np.max, layout.first), (np.min, layout.last)))
+        for drawing in range(first, last + 1):
+            yield strokes.row(child, drawing), strokes.row(parent, drawing)

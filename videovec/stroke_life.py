@@ -29,6 +29,7 @@ class StrokeLife:
         color: Ink, sRGB in [0, 1]. [3]
         layer: Compositing order; the higher lies above.
         is_closed: Whether it ends where it begins.
+        parent: Identity of the stroke whose part beyond a gap it is, else 0.
     """
 
     id: int
@@ -40,6 +41,7 @@ class StrokeLife:
     color: Floats
     layer: int
     is_closed: bool
+    parent: int = 0
 
     @staticmethod
     def of(strokes: Strokes, stroke: int) -> StrokeLife:
@@ -59,6 +61,7 @@ class StrokeLife:
             color=strokes.color[stroke],
             layer=int(strokes.layer[stroke]),
             is_closed=bool(strokes.is_closed[stroke]),
+            parent=int(strokes.parent[stroke]),
         )
 
     @property
@@ -112,4 +115,5 @@ class StrokeLife:
             half_width=self.half_width.reshape(-1),
             opacity=self.opacity,
             visible=self.visible,
+            parent=np.array([self.parent]),
         )

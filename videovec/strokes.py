@@ -7,7 +7,7 @@ Rows are sorted by stroke, then drawing; the control points of a row lie togethe
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -118,6 +118,8 @@ class Strokes:
         half_width: Centre line to edge at every joint, row by row; linear in t between joints. [J] px
         opacity: Plateau coverage. [R] in [0, 1]
         visible: The part of the arc that is seen, as arc fractions; (0, 1) is all, equal ends are none. [R, 2]
+        parent: For a stroke that is the part of another beyond a gap in it, that other's identity, else 0. It has the
+            other's control points and lives within its life. int [S]
 
     Raises:
         FitError: The shapes do not agree.
@@ -132,8 +134,11 @@ class Strokes:
     half_width: Floats
     opacity: Floats
     visible: Floats
+    parent: Ints = field(default_factory=lambda: np.zeros(0, np.intp))
 
     def __post_init__(self) -> None:
+        if not len(self.parent):  # whoever does not tell knows of no gaps
+            object.__setattr__(self, "parent", np.zeros(len(self.ids), np.intp))
         count, rows = len(self.layout.segments), len(self.layout.row_stroke)
         expected = {
             "ids": (count,),
@@ -144,6 +149,7 @@ class Strokes:
             "half_width": (int(self.layout.row_joints[-1]),),
             "opacity": (rows,),
             "visible": (rows, 2),
+            "parent": (count,),
         }
         for name, shape in expected.items():
             if getattr(self, name).shape != shape:
@@ -192,6 +198,7 @@ class Strokes:
             is_closed=self.is_closed[strokes],
             layer=self.layer[strokes],
             color=self.color[strokes],
+            parent=self.parent[strokes],
             **self._of_rows(rows),
         )
 
@@ -206,6 +213,7 @@ class Strokes:
             is_closed=self.is_closed[strokes],
             layer=self.layer[strokes],
             color=self.color[strokes],
+            parent=self.parent[strokes],
             **self._of_rows(rows),
         )
 
@@ -222,6 +230,7 @@ class Strokes:
             is_closed=self.is_closed,
             layer=self.layer,
             color=self.color,
+            parent=self.parent,
             **self._of_rows(rows),
         )
 
@@ -272,7 +281,10 @@ class Strokes:
             ),
             **{
                 name: np.concatenate([getattr(part, name) for part in parts])
-                for name in ("ids", "is_closed", "layer", "color", "points", "half_width", "opacity", "visible")
+                for name in (
+                    *("ids", "is_closed", "layer", "color", "parent"),
+                    *("points", "half_width", "opacity", "visible"),
+                )
             },
         )
         if len(np.unique(merged.ids)) != len(merged):

@@ -34,7 +34,7 @@ _VERSION = 1
 Arrays = dict[str, NDArray[np.generic]]
 
 _LAYING_FIELDS = ("sign", "phase", "density", "shift")
-_STROKE_FIELDS = ("ids", "is_closed", "layer", "color", "points", "half_width", "opacity", "visible")
+_STROKE_FIELDS = ("ids", "is_closed", "layer", "color", "points", "half_width", "opacity", "visible", "parent")
 _LAYOUT_FIELDS = ("segments", "first", "last")
 
 
@@ -82,7 +82,8 @@ def pack_strokes(strokes: Strokes) -> Arrays:
 def unpack_strokes(arrays: Arrays) -> Strokes:
     """The strokes that :func:`pack_strokes` took."""
     layout = Layout(*(arrays[name].astype(np.intp) for name in _LAYOUT_FIELDS))
-    return Strokes(layout=layout, **{name: arrays[name] for name in _STROKE_FIELDS})  # type: ignore[arg-type]
+    fields = {name: arrays[name] for name in _STROKE_FIELDS if name in arrays}  # older tracks know no gaps
+    return Strokes(layout=layout, **fields)  # type: ignore[arg-type]
 
 
 def pack_timeline(timeline: Timeline) -> Arrays:

@@ -75,6 +75,7 @@ def rename(tracks: Tracks, old: int, new: int) -> Tracks:
         raise InputError(f"stroke {old} must be given an unused identity from 1, got {new}")
     ids = tracks.strokes.ids.copy()
     ids[position] = new
+    parent = np.where(tracks.strokes.parent == old, new, tracks.strokes.parent)
     names = {old: new}
     events = tuple(
         replace(
@@ -84,7 +85,7 @@ def rename(tracks: Tracks, old: int, new: int) -> Tracks:
         )
         for event in tracks.events
     )
-    return replace(tracks, strokes=replace(tracks.strokes, ids=ids), events=events)
+    return replace(tracks, strokes=replace(tracks.strokes, ids=ids, parent=parent), events=events)
 
 
 def drop(tracks: Tracks, strokes: Iterable[int]) -> Tracks:

@@ -8,11 +8,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.propagate.gaps import Piece
 from videovec.propagate.judge import between_nodes
 from videovec.propagate.nodes import Nodes
+from videovec.propagate.record import Interval
 from videovec.propagate.target import Image, Target, sample
 
-__all__ = ["find_ends"]
+__all__ = ["find_ends", "widened"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -70,9 +72,13 @@ class _Scene:
 
 
 def find_ends(
-    nodes: Nodes, positions: Floats, half_width: Floats, seen: tuple[Ints, Ints, Floats], target: Target
-) -> NDArray[np.float64]:
-    """Find the seen part of every stroke to a fraction of a node.
+    nodes: Nodes,
+    positions: Floats,
+    half_width: Floats,
+    seen: tuple[list[list[Piece]], Floats],
+    target: Target,
+) -> list[tuple[Interval, ...]]:
+    """Find the seen parts of every stroke to a fraction of a node.
 
     A hidden stroke goes under the line of what hides it; the middle of that line is the end of what is seen.
 
@@ -80,38 +86,75 @@ def find_ends(
         nodes: N nodes.
         positions: Where they are. [N, 2] working px
         half_width: Half-width of each stroke. [S] working px
-        seen: First and last seen node of each stroke, counted within it, none where the last is before the first; and
-            the most that was seen before, as arc fractions. int [S], int [S], [S, 2]
+        seen: The runs of seen nodes of each stroke; and the most that was seen before, as arc fractions. [S, 2]
         target: The drawing's ink.
 
     Returns:
-        The seen part as arc fractions; equal ends are none. [S, 2]
+        The seen parts of each stroke as arc fractions, in their order. S of them
     """
-    visible = np.zeros((len(nodes.bases), 2))
     if not len(nodes):
-        return visible
+        return [() for _ in nodes.bases]
     dense, owner = between_nodes(nodes, positions)
-    local = owner - nodes.starts[nodes.stroke[owner]]
-    shown = (local >= seen[0][nodes.stroke[owner]]) & (local <= seen[1][nodes.stroke[owner]])
-    ink = np.asarray(cv2.dilate(target.ink, np.ones((3, 3), np.uint8)), np.float32)
-    scene = _Scene(ink, target.threshold, dense[shown], nodes.stroke[owner[shown]], half_width)
+    scene = _Scene(widened(target), target.threshold, *_shown(nodes, dense, owner, seen[0]), half_width)
+    parts: list[tuple[Interval, ...]] = []
     for s, basis in enumerate(nodes.bases):
-        first, last = int(seen[0][s]), int(seen[1][s])
-        if last < first:
-            continue
-        if basis.is_closed and last - first == len(basis.u) - 1:
-            visible[s] = 0.0, 1.0
-            continue
         own = positions[nodes.starts[s] : nodes.starts[s + 1]]
-        count = len(own)
-        length = float(np.linalg.norm(np.diff(own, axis=0), axis=1).sum())
-        hidden = np.abs(seen[2][s] - (0.0, 1.0)) * length > _LONG
-        known = np.where(hidden, seen[2][s], [0.0, 1.0])
-        end = _walk_out(scene, s, (own, basis.u), (first, last, known[1]))
-        back = own[::-1], 1.0 - basis.u[::-1]
-        begin = 1.0 - _walk_out(scene, s, back, (count - 1 - last, count - 1 - first, 1.0 - known[0]))
-        visible[s] = (begin, end) if begin < end else (basis.u[first], basis.u[last])
-    return visible
+        if not seen[0][s]:
+            parts.append(())
+        elif basis.is_closed and seen[0][s] == [(0, len(own) - 1)]:
+            parts.append(((0.0, 1.0),))
+        else:
+            parts.append(_parts(scene, s, (own, basis.u), seen[0][s], _known(own, seen[1][s])))
+    return parts
+
+
+def widened(target: Target) -> Image:
+    """Coverage, widened: ink is also where a stroke lies a little beside it. float32 [H, W]"""
+    return np.asarray(cv2.dilate(target.ink, np.ones((3, 3), np.uint8)), np.float32)
+
+
+def _shown(nodes: Nodes, dense: Floats, owner: Ints, seen: list[list[Piece]]) -> tuple[Floats, Ints]:
+    """The points on seen runs [K, 2], and their strokes [K]."""
+    shown = np.zeros(len(nodes), bool)
+    for start, pieces in zip(nodes.starts, seen, strict=False):
+        for first, last in pieces:
+            shown[start + first : start + last + 1] = True
+    return dense[shown[owner]], nodes.stroke[owner[shown[owner]]]
+
+
+def _known(own: Floats, most_seen: Floats) -> tuple[float, float]:
+    """The ends of the most that was seen; all, but where an end is missing that is long enough to be remembered."""
+    length = float(np.linalg.norm(np.diff(own, axis=0), axis=1).sum())
+    begin, end = most_seen.tolist()
+    return begin if begin * length > _LONG else 0.0, end if (1.0 - end) * length > _LONG else 1.0
+
+
+def _parts(
+    scene: _Scene, stroke: int, path: tuple[Floats, Floats], pieces: list[Piece], known: tuple[float, float]
+) -> tuple[Interval, ...]:
+    """Where the seen parts of a stroke begin and end, from the runs of its nodes."""
+    points, u = path
+    count, back = len(points), (points[::-1], 1.0 - u[::-1])
+    parts: list[Interval] = []
+    for k, (first, last) in enumerate(pieces):
+        low, high = (
+            known if len(pieces) == 1 else (known[0] if k == 0 else 0.0, known[1] if k + 1 == len(pieces) else 1.0)
+        )
+        end = _walk_out(scene, stroke, path, (first, last, high))
+        begin = 1.0 - _walk_out(scene, stroke, back, (count - 1 - last, count - 1 - first, 1.0 - low))
+        parts.append((begin, end) if begin < end else (float(u[first]), float(u[last])))
+    return _apart(parts)
+
+
+def _apart(parts: list[Interval]) -> tuple[Interval, ...]:
+    """Intervals of which no two overlap: those that do are one."""
+    joined = parts[:1]
+    for begin, end in parts[1:]:
+        if begin <= joined[-1][1]:
+            joined[-1] = joined[-1][0], max(end, joined[-1][1])
+        else:
+            joined.append((begin, end))
+    return tuple(joined)
 
 
 def _walk_out(scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tuple[int, int, float]) -> float:

@@ -32,6 +32,9 @@ def events_of(
     borders = {0, drawing_count, *cuts}
     layout = strokes.layout
     for s in range(len(strokes)):
+        if strokes.parent[s]:
+            events += _of_part(strokes, s, confidence, borders)
+            continue
         identity = (int(strokes.ids[s]),)
         rows = slice(int(layout.stroke_rows[s]), int(layout.stroke_rows[s + 1]))
         first, last, sure = int(layout.first[s]), int(layout.last[s]), confidence[rows]
@@ -39,8 +42,41 @@ def events_of(
             events.append(Event(EventKind.BIRTH, first, identity, score=_score(sure[:3])))
         if last + 1 not in borders:
             events.append(Event(EventKind.DEATH, last + 1, identity, score=_score(sure[-3:])))
-        events += _turns(np.diff(strokes.visible[rows], axis=1)[:, 0], first, identity, sure)
+        events += _turns(_seen(strokes, s), first, identity, sure)
     return tuple(sorted(events, key=lambda event: (event.drawing, event.kind, event.ids)))
+
+
+def _of_part(strokes: Strokes, part: int, confidence: NDArray[np.float64], borders: set[int]) -> list[Event]:
+    """A gap that opens, and if that is seen, how it closes: the parent is seen where the part was, or neither is."""
+    layout, parent = strokes.layout, int(strokes.parent[part])
+    identity, both = int(strokes.ids[part]), (parent, int(strokes.ids[part]))
+    rows = slice(int(layout.stroke_rows[part]), int(layout.stroke_rows[part + 1]))
+    first, last, sure = int(layout.first[part]), int(layout.last[part]), confidence[rows]
+    events = []
+    if first not in borders:
+        events.append(Event(EventKind.SPLIT, first, both, (parent,), _score(sure[:3])))
+    if last + 1 not in borders:
+        begin, end = strokes.visible[rows][-1]
+        position = int(np.flatnonzero(strokes.ids == parent)[0])
+        after = (0.0, 0.0) if last == layout.last[position] else strokes.visible[strokes.row(position, last + 1)]
+        if after[0] <= (begin + end) / 2 <= after[1]:
+            events.append(Event(EventKind.MERGE, last + 1, (parent,), both, _score(sure[-3:])))
+        else:
+            events.append(Event(EventKind.DEATH, last + 1, (identity,), score=_score(sure[-3:])))
+    return events
+
+
+def _seen(strokes: Strokes, stroke: int) -> NDArray[np.float64]:
+    """Share of a stroke that is seen on each of its drawings, with its parts beyond gaps. [K]"""
+    layout = strokes.layout
+    own = [stroke, *np.flatnonzero(strokes.parent == strokes.ids[stroke]).tolist()]
+    seen = np.zeros(int(layout.last[stroke] - layout.first[stroke]) + 1)
+    for s in own:
+        rows = slice(int(layout.stroke_rows[s]), int(layout.stroke_rows[s + 1]))
+        begin = int(layout.first[s] - layout.first[stroke])
+        shares = np.ptp(strokes.visible[rows], axis=1)
+        seen[begin : begin + len(shares)] += shares
+    return seen
 
 
 def _turns(seen: NDArray[np.float64], first: int, identity: tuple[int, ...], sure: NDArray[np.float64]) -> list[Event]:

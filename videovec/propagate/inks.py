@@ -81,4 +81,5 @@ def _renumbered(part: Propagated, known: NDArray[np.intp], next_id: int) -> Prop
             parents=tuple(new.get(i, i) for i in event.parents),
         )
 
-    return replace(part, strokes=replace(part.strokes, ids=ids), events=tuple(map(renamed, part.events)))
+    parent = np.array([new.get(i, i) for i in part.strokes.parent.tolist()], np.intp)
+    return replace(part, strokes=replace(part.strokes, ids=ids, parent=parent), events=tuple(map(renamed, part.events)))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from videovec.curves import arc_length
 from videovec.propagate.nodes import Nodes
-from videovec.propagate.record import Life
+from videovec.propagate.record import Interval, Life
 from videovec.propagate.support import Support
 
 __all__ = ["Hold", "predict_hidden"]
@@ -70,7 +70,7 @@ def predict_hidden(
     """
     before, _, scale = step
     goal, stiffness = positions.copy(), np.zeros(len(nodes))
-    follows = support.follows(nodes) > 0
+    follows = support.shown
     for s, life in enumerate(lives):
         home = _home(life, before)
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
@@ -91,16 +91,16 @@ def predict_hidden(
 
 def _home(life: Life, before: int) -> int | None:
     """The drawing nearest to the last one on which the stroke was seen whole."""
-    seen = {d: row.visible[1] - row.visible[0] for d, row in life.rows.items()}
+    seen = {d: row.seen for d, row in life.rows.items()}
     most = max(seen.values())
     whole = [d for d, part in seen.items() if part >= _WHOLE * most] if most > 0 else []
     return min(whole, key=lambda d: abs(d - before), default=None)
 
 
-def _is_less(life: Life, home: int, visible: Floats, scale: float) -> bool:
+def _is_less(life: Life, home: int, parts: tuple[Interval, ...], scale: float) -> bool:
     row = life.rows[home]
-    missing = (row.visible[1] - row.visible[0]) - float(visible[1] - visible[0])
-    return missing * scale * arc_length(row.points) > _LESS or (missing > 0 and visible[1] <= visible[0])
+    missing = row.seen - sum(end - begin for begin, end in parts)
+    return missing * scale * arc_length(row.points) > _LESS or (missing > 0 and not parts)
 
 
 def _nodes_at(lives: list[Life], nodes: Nodes, drawing: int, scale: float) -> Floats:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from videovec.strokes import Layout, Strokes
 
-__all__ = ["Life", "Row", "bind", "open_lives"]
+__all__ = ["Interval", "Life", "Row", "bind", "open_lives"]
 
 Floats = NDArray[np.float64]
+
+Interval = tuple[float, float]
+"""A part of a stroke's arc, as arc fractions."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,13 +28,32 @@ class Row:
         opacity: Plateau coverage.
         visible: The part of the arc that is seen, as arc fractions; equal ends are none.
         confidence: How well the ink supports it, in [0, 1].
+        gaps: Parts within it that are not seen, in their order.
     """
 
     points: Floats
     half_width: Floats
     opacity: float
-    visible: tuple[float, float]
+    visible: Interval
     confidence: float
+    gaps: tuple[Interval, ...] = ()
+
+    @property
+    def parts(self) -> tuple[Interval, ...]:
+        """The parts that are seen, in their order."""
+        cuts = [self.visible[0], *(u for gap in self.gaps for u in gap), self.visible[1]]
+        return tuple(zip(cuts[::2], cuts[1::2], strict=True)) if cuts[-1] > cuts[0] else ()
+
+    @property
+    def seen(self) -> float:
+        """Share of the arc that is seen."""
+        return sum(end - begin for begin, end in self.parts)
+
+    def showing(self, parts: Sequence[Interval]) -> Row:
+        """The same with other parts seen."""
+        cuts = [u for part in parts for u in part]
+        visible = (cuts[0], cuts[-1]) if cuts else (0.0, 0.0)
+        return replace(self, visible=visible, gaps=tuple(zip(cuts[1:-1:2], cuts[2::2], strict=False)))
 
 
 @dataclass(slots=True, eq=False)
@@ -43,6 +66,7 @@ class Life:
         layer: Compositing order.
         color: Ink. [3]
         rows: What it was, by drawing.
+        parent: Identity of the stroke whose part beyond a gap it is, else 0.
     """
 
     id: int
@@ -50,6 +74,7 @@ class Life:
     layer: int
     color: Floats
     rows: dict[int, Row] = field(default_factory=dict)
+    parent: int = 0
 
     @property
     def first(self) -> int:
@@ -62,7 +87,7 @@ class Life:
         return max(self.rows)
 
     @property
-    def most_seen(self) -> tuple[float, float]:
+    def most_seen(self) -> Interval:
         """The longest part of the arc that was ever seen."""
         return max((row.visible for row in self.rows.values()), key=lambda visible: visible[1] - visible[0])
 
@@ -86,7 +111,7 @@ def bind(lives: list[Life]) -> tuple[Strokes, Floats]:
     """All lives as strokes, in their order, and the confidence of every row.
 
     Args:
-        lives: Lives without gaps between their drawings; those without rows are left out.
+        lives: Lives without gaps in them or between their drawings; those without rows are left out.
 
     Returns:
         The strokes and [R].
@@ -109,5 +134,6 @@ def bind(lives: list[Life]) -> tuple[Strokes, Floats]:
         half_width=np.concatenate([row.half_width for row in rows]),
         opacity=np.array([row.opacity for row in rows]),
         visible=np.array([row.visible for row in rows], float),
+        parent=np.array([life.parent for life in lives], np.intp),
     )
     return strokes, np.array([row.confidence for row in rows])

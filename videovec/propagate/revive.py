@@ -37,7 +37,7 @@ def revive(
     reach = np.maximum(_NEAR, placed.half_width)
     gap = target.distance_at(positions) if len(target) else np.full(len(nodes), np.inf)
     ended: set[int] = set()
-    first, last = placed.support.first.copy(), placed.support.last.copy()
+    shown = placed.support.shown.copy()
     for s, follower in enumerate(followers):
         seen = follower.life.most_seen
         begin, end = np.searchsorted(follower.basis.u, [seen[0], seen[1] + 1e-9])
@@ -51,14 +51,14 @@ def revive(
             continue
         ended.update(usurpers)
         row = follower.life.rows[drawing]
-        follower.life.rows[drawing] = replace(row, visible=seen, confidence=share)
+        follower.life.rows[drawing] = replace(row, visible=seen, gaps=(), confidence=share)
         follower.unseen = 0
-        first[s], last[s] = begin, end - 1
+        shown[own] = True
     for k in ended:
         del followers[k].life.rows[drawing]
-        first[k], last[k] = 0, -1
+        shown[nodes.starts[k] : nodes.starts[k + 1]] = False
     go_on = [follower for k, follower in enumerate(followers) if k not in ended]
-    return go_on, replace(placed, support=replace(placed.support, first=first, last=last))
+    return go_on, replace(placed, support=replace(placed.support, shown=shown))
 
 
 def _is_younger(other: Follower, follower: Follower) -> bool:

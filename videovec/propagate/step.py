@@ -13,6 +13,7 @@ from videovec.propagate.predict import Hold, predict_hidden
 from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
 from videovec.propagate.registration import SETTLE, SIMILAR, Source, recall, register, source_of
+from videovec.propagate.split import split_at_gaps
 from videovec.propagate.support import Support, find_support
 from videovec.propagate.target import Target
 from videovec.settings import PropagateSettings
@@ -102,50 +103,54 @@ def carry(
     support = find_support(nodes, positions, half_width, targets[1], most_seen)
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
     rest = nodes.moved(points, source.rest / scale)
-    strokes = replace(strokes, points=_refined(strokes, rest, coverage, settings))
-    positions = scale * nodes.positions(strokes.points)
+    strokes = _refined(strokes, rest, coverage, settings)
+    positions = scale * nodes.positions(strokes.points[: len(points)])
     for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
-        visible = (float(support.visible[s, 0]), float(support.visible[s, 1]))
-        follower.life.rows[after] = replace(
-            row, points=strokes.points_of(s), visible=visible, confidence=float(support.share[s])
-        )
+        now = replace(row, points=strokes.points_of(s), confidence=float(support.share[s]))
+        follower.life.rows[after] = now.showing(support.visible[s])
         follower.shape = source.rest[own] / scale
         follower.velocity = positions[own] - source.rest[own]
-        follower.unseen = 0 if visible[1] > visible[0] else follower.unseen + 1
+        follower.unseen = 0 if support.visible[s] else follower.unseen + 1
     return Placement(nodes, positions, support, half_width)
 
 
 def _seen(nodes: Nodes, rows: list[Row]) -> Floats:
-    """1 for nodes in the seen part of their stroke, else 0. [N]"""
-    visible = np.array([row.visible for row in rows]).reshape(-1, 2)[nodes.stroke]
-    return ((nodes.u >= visible[:, 0]) & (nodes.u <= visible[:, 1]) & (visible[:, 1] > visible[:, 0])).astype(float)
+    """1 for nodes in a seen part of their stroke, else 0. [N]"""
+    seen = np.zeros(len(nodes))
+    for s, row in enumerate(rows):
+        own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
+        for begin, end in row.parts:
+            seen[own] += (nodes.u[own] >= begin) & (nodes.u[own] <= end)
+    return np.minimum(seen, 1.0)
 
 
 def _placed(followers: list[Follower], rows: list[Row], points: Floats, support: Support) -> Strokes:
-    """The strokes where they are now, as strokes of drawing 0."""
+    """The strokes where they are now, as strokes of drawing 0; their parts beyond gaps come last."""
     ends = np.cumsum([0, *(len(row.points) for row in rows)])
     lives = []
     for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
-        visible = (float(support.visible[s, 0]), float(support.visible[s, 1]))
-        life = replace(follower.life, rows={0: replace(row, points=points[ends[s] : ends[s + 1]], visible=visible)})
-        lives.append(life)
-    return bind(lives)[0]
+        now = replace(row, points=points[ends[s] : ends[s + 1]]).showing(support.visible[s])
+        lives.append(replace(follower.life, rows={0: now}))
+    free = max((follower.life.id for follower in followers), default=0) + 1
+    return bind(split_at_gaps(lives, free, lasts=1))[0]
 
 
 def _settle(source: Source, target: Target, positions: Floats, support: Support, hold: Hold) -> Floats:
     """Let go of nodes without ink, then allow local scale."""
-    weight = support.follows(source.nodes)
+    weight = support.follows()
     phases = (SIMILAR,) if np.array_equal(weight, source.weight) and weight.all() else (SETTLE, SIMILAR)
     source = replace(source, weight=weight, hold=hold.stiffness, goal=hold.goal)
     return register(source, target, positions, phases)
 
 
-def _refined(strokes: Strokes, rest: Floats, coverage: NDArray[np.uint8], settings: PropagateSettings) -> Floats:
-    """Control points after the photometric refinement of what is seen. [P, 2] px"""
+def _refined(strokes: Strokes, rest: Floats, coverage: NDArray[np.uint8], settings: PropagateSettings) -> Strokes:
+    """The strokes after the photometric refinement of what is seen; ``rest`` are the points of the first ones."""
     seen = np.flatnonzero(strokes.visible[:, 1] > strokes.visible[:, 0])
-    before = replace(strokes, points=rest).select(seen).points
-    fitted = refine(strokes.select(seen), before, coverage, settings.refine_steps, settings.refine_rigidity)
+    before = strokes.points.copy()
+    before[: len(rest)] = rest
+    at_rest = replace(strokes, points=before).select(seen).points
+    fitted = refine(strokes.select(seen), at_rest, coverage, settings.refine_steps, settings.refine_rigidity)
     moved = strokes.points.copy()
     moved[np.isin(strokes.layout.point_row, seen)] = fitted.points
-    return moved
+    return replace(strokes, points=moved)

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.propagate.ends import find_ends
+from videovec.propagate.ends import find_ends, widened
+from videovec.propagate.gaps import Piece, find_pieces
 from videovec.propagate.kernels import nearest
 from videovec.propagate.nodes import Nodes
+from videovec.propagate.record import Interval
 from videovec.propagate.registration import doubled
-from videovec.propagate.target import Target
+from videovec.propagate.target import Target, sample
 
 __all__ = ["Support", "find_support"]
 
@@ -40,32 +42,28 @@ class Support:
 
     Args:
         node: Which nodes lie on ink. bool [N]
-        first: First node that is seen of each stroke, counted within it. int [S]
-        last: Last node that is seen; before the first if nothing is. int [S]
-        visible: The same as arc fractions. [S, 2]
+        shown: Which nodes lie in a seen part of their stroke. bool [N]
+        visible: The seen parts of each stroke as arc fractions, in their order. S of them
         share: Share of nodes that lie on ink. [S]
     """
 
     node: Bools
-    first: NDArray[np.intp]
-    last: NDArray[np.intp]
-    visible: Floats
+    shown: Bools
+    visible: tuple[tuple[Interval, ...], ...]
     share: Floats
 
-    def seen(self) -> Bools:
+    def seen(self, nodes: Nodes) -> Bools:
         """Strokes of which something is seen. bool [S]"""
-        return np.asarray(self.last >= self.first)
+        return np.bincount(nodes.stroke, self.shown, minlength=len(nodes.bases)) > 0
 
-    def follows(self, nodes: Nodes) -> Floats:
-        """1 for nodes in the seen part of their stroke, else 0. [N]"""
-        local = np.arange(len(nodes)) - nodes.starts[nodes.stroke]
-        inside = (local >= self.first[nodes.stroke]) & (local <= self.last[nodes.stroke])
-        return inside.astype(np.float64)
+    def follows(self) -> Floats:
+        """1 for nodes in a seen part of their stroke, else 0. [N]"""
+        return self.shown.astype(np.float64)
 
     def explains(self, nodes: Nodes) -> Floats:
-        """1 for nodes of seen strokes in their seen part, or on ink beyond a gap that hides their middle. [N]"""
-        beyond = self.node & (self.node[nodes.before] & self.node[nodes.after]) & self.seen()[nodes.stroke]
-        return np.maximum(self.follows(nodes), beyond)
+        """1 for nodes of seen strokes in their seen parts, or on ink beyond a gap that hides their middle. [N]"""
+        beyond = self.node & (self.node[nodes.before] & self.node[nodes.after]) & self.seen(nodes)[nodes.stroke]
+        return (self.shown | beyond).astype(np.float64)
 
 
 def find_support(
@@ -84,47 +82,66 @@ def find_support(
         most_seen: The most that was ever seen of each stroke, as arc fractions; all of it unless told. [S, 2]
 
     Returns:
-        The support of each node and the seen part of each stroke.
+        The support of each node and the seen parts of each stroke.
     """
     reach = np.maximum(_NEAR, 0.8 * half_width)[nodes.stroke]
-    supported, claimed = np.zeros(len(nodes), bool), np.zeros(len(nodes), bool)
+    supported, chosen, bare = (np.zeros(len(nodes), bool) for _ in range(3))
     if len(target) and len(nodes):
         supported = target.distance_at(positions) <= reach
-        claimed = _claimed(nodes, positions, reach, target)
+        chosen = _chosen(nodes, positions, reach, target)
+        bare = sample(widened(target), positions) <= target.threshold
+    claimed = _spread(chosen, nodes)
     count = len(nodes.bases)
-    first, last = np.zeros(count, np.intp), np.full(count, -1, np.intp)
     share = np.zeros(count)
+    pieces: list[list[Piece]] = []
     for s, basis in enumerate(nodes.bases):
-        part = supported[nodes.starts[s] : nodes.starts[s + 1]]
-        own = claimed[nodes.starts[s] : nodes.starts[s + 1]]
-        share[s] = part.mean()
-        first[s], last[s] = _interval(part, basis.is_closed)
-        if own[first[s] : last[s] + 1].sum() < _OWN * (last[s] + 1 - first[s]):
-            first[s], last[s] = 0, -1
+        own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
+        share[s] = supported[own].mean()
+        main = _interval(supported[own], basis.is_closed)
+        if claimed[own][main[0] : main[1] + 1].sum() < _OWN * (main[1] + 1 - main[0]):
+            main = 0, -1
+        width = 2.0 * float(half_width[s]) / _spacing(positions[own])
+        pieces.append(find_pieces(main, supported[own], bare[own], chosen[own], width))
     known = np.tile([0.0, 1.0], (count, 1)) if most_seen is None else most_seen
-    visible = find_ends(nodes, positions, half_width, (first, last, known), target)
-    for s in np.flatnonzero(last >= first):
-        first[s], last[s] = _within(nodes.bases[s].u, visible[s], (int(first[s]), int(last[s])))
-    return Support(supported, first, last, visible, share)
+    visible = find_ends(nodes, positions, half_width, (pieces, known), target)
+    return Support(supported, shown_nodes(nodes, pieces, visible), tuple(visible), share)
 
 
-def _within(u: Floats, visible: Floats, otherwise: tuple[int, int]) -> tuple[int, int]:
-    """First and last node in the seen part: what lies under another line must not follow that line's ink."""
-    first, last = np.searchsorted(u, [visible[0] - 1e-9, visible[1] + 1e-9])
-    return (int(first), int(last) - 1) if last > first else otherwise
+def shown_nodes(nodes: Nodes, pieces: list[list[Piece]], visible: list[tuple[Interval, ...]]) -> Bools:
+    """Which nodes lie in seen parts: what lies under another line must not follow that line's ink. bool [N]"""
+    shown = np.zeros(len(nodes), bool)
+    for s, basis in enumerate(nodes.bases):
+        own = shown[nodes.starts[s] : nodes.starts[s + 1]]
+        for begin, end in visible[s]:
+            own |= (basis.u >= begin - 1e-9) & (basis.u <= end + 1e-9)
+        if visible[s] and not own.any():
+            for first, last in pieces[s]:
+                own[first : last + 1] = True
+    return shown
 
 
-def _claimed(nodes: Nodes, positions: Floats, reach: Floats, target: Target) -> Bools:
-    """Nodes that are the nearest of some ink, or neighbours of such. bool [N]"""
+def _spacing(positions: Floats) -> float:
+    """Mean distance of neighbouring nodes of a stroke. working px"""
+    steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
+    return max(float(steps.mean()) if len(steps) else 0.0, 1e-6)
+
+
+def _chosen(nodes: Nodes, positions: Floats, reach: Floats, target: Target) -> Bools:
+    """Nodes that are the nearest of some ink. bool [N]"""
     tangent = nodes.tangents(positions)
     features = np.concatenate([positions, _DIRECTION * doubled(tangent)], axis=1)
     ink = np.concatenate([target.points, _DIRECTION * doubled(target.direction)], axis=1)
     owner, squared = nearest(ink, features, np.zeros(len(ink), np.int64))
-    claimed = np.zeros(len(nodes), bool)
-    claimed[owner[squared <= (reach[owner] + 2.0) ** 2 + _DIRECTION**2]] = True
+    chosen = np.zeros(len(nodes), bool)
+    chosen[owner[squared <= (reach[owner] + 2.0) ** 2 + _DIRECTION**2]] = True
+    return chosen
+
+
+def _spread(chosen: Bools, nodes: Nodes) -> Bools:
+    """Nodes that ink has chosen, and their neighbours. bool [N]"""
     for _ in range(_REACH):
-        claimed = claimed | claimed[nodes.before] | claimed[nodes.after]
-    return claimed
+        chosen = chosen | chosen[nodes.before] | chosen[nodes.after]
+    return chosen
 
 
 def _interval(supported: Bools, is_closed: bool) -> tuple[int, int]:

@@ -16,6 +16,8 @@ from videovec.propagate.happenings import events_of
 from videovec.propagate.record import Life, bind, open_lives
 from videovec.propagate.residual import Residual, find_residual
 from videovec.propagate.revive import revive
+from videovec.propagate.seam import move_seam
+from videovec.propagate.split import split_at_gaps
 from videovec.propagate.step import Follower, Placement, carry, follow
 from videovec.propagate.target import Target, make_target
 from videovec.propagate.unhide import unhide
@@ -56,7 +58,9 @@ def walk(
     book = _Book(lives, [], max((life.id for life in lives), default=0) + 1)
     for direction in (1, -1):
         _Walk(ink, settings, trace, direction, book).run(seed, progress)
-    bound, confidence = bind(sorted(book.lives, key=lambda life: life.id))
+    for life in book.lives:
+        move_seam(life)
+    bound, confidence = bind(split_at_gaps(sorted(book.lives, key=lambda life: life.id), book.next_id))
     bound = unhide(bound, ink)
     return Propagated(bound, events_of(bound, confidence, book.cuts, ink.drawing_count), confidence)
 
@@ -145,7 +149,7 @@ def _is_cut(placed: Placement, residual: Residual) -> bool:
     count = len(placed.nodes)
     if not count or not len(residual.point):
         return False
-    lost = 1.0 - placed.support.node.mean()
+    lost = 1.0 - placed.support.shown.mean()
     return bool(0.5 * (residual.point.mean() + lost) > _CUT)
 
 

@@ -71,7 +71,8 @@ def vote(ink: Ink, carried: Propagated, seed: int, trace: Trace, progress: Progr
 def _common_life(strokes: Strokes, seed: int) -> NDArray[np.intp]:
     """The strokes with the life that most strokes of a drawing have. int [K]"""
     layout = strokes.layout
-    alive = np.flatnonzero((layout.first <= seed) & (layout.last >= seed))
+    has_gaps = (strokes.parent > 0) | np.isin(strokes.ids, strokes.parent)  # one cut would have to be that of its parts
+    alive = np.flatnonzero((layout.first <= seed) & (layout.last >= seed) & ~has_gaps)
     lives = np.stack([layout.first[alive], layout.last[alive]], axis=1)
     if not len(alive):
         return alive

@@ -1,0 +1,82 @@
+"""Gaps in the middle of a stroke: an eraser or something narrow went over it, and both sides are still seen."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Piece", "find_pieces"]
+
+Bools = NDArray[np.bool_]
+
+Piece = tuple[int, int]
+"""First and last node of a run that is seen, counted within its stroke."""
+
+_BARE = 2
+"""Nodes on bare paper in the shortest gap."""
+_RUN = 3
+"""Nodes of the shortest run that is seen."""
+_ISLAND = 1.6
+"""Widths up to which ink between two gaps is of what made them: a line that crosses with bare paper at its sides."""
+_OWN = 0.3
+"""Share of the nodes of a run that must be the nearest of some ink."""
+_BEYOND = 0.6
+"""The same for a run beyond what would be seen without gaps."""
+
+
+def find_pieces(main: Piece, inked: Bools, bare: Bools, chosen: Bools, width: float) -> list[Piece]:
+    """The runs of a stroke that are seen.
+
+    Args:
+        main: Where it is seen if it has no gap; none of it if the last is before the first.
+        inked: Which nodes lie on ink. bool [n]
+        bare: Which lie on bare paper. bool [n]
+        chosen: Which are the nearest of some ink. bool [n]
+        width: Of the stroke. Nodes
+
+    Returns:
+        One run or more in their order; none if the stroke is not seen. The seam of a closed stroke, if it is seen, is
+        where the last run ends and the first begins.
+    """
+    if main[1] < main[0]:
+        return []
+    shown = _without_islands(_without_short_gaps(inked & ~bare, bare), width)
+    runs = [run for run in _runs(shown) if _is_seen(run, main, chosen)]
+    if len(runs) < 2:
+        return [main]
+    runs[0] = min(runs[0][0], main[0]), runs[0][1]
+    runs[-1] = runs[-1][0], max(runs[-1][1], main[1])
+    return runs
+
+
+def _is_seen(run: Piece, main: Piece, chosen: Bools) -> bool:
+    first, last = run
+    is_beyond = last < main[0] or first > main[1]
+    at_end = first == 0 or last == len(chosen) - 1
+    own = float(chosen[first : last + 1].mean())
+    return (last - first + 1 >= _RUN or (at_end and not is_beyond)) and own >= (_BEYOND if is_beyond else _OWN)
+
+
+def _without_short_gaps(inked: Bools, bare: Bools) -> Bools:
+    """Nodes on ink, and those in gaps that show too little paper to be any."""
+    filled = inked.copy()
+    for first, last in _runs(~inked):
+        is_inner = first > 0 and last < len(inked) - 1
+        if is_inner and bare[first : last + 1].sum() < _BARE:
+            filled[first : last + 1] = True
+    return filled
+
+
+def _without_islands(inked: Bools, width: float) -> Bools:
+    """Nodes on ink, without short runs between two gaps."""
+    left = inked.copy()
+    for first, last in _runs(inked):
+        is_inner = first > 0 and last < len(inked) - 1
+        if is_inner and last - first + 1 <= _ISLAND * width:
+            left[first : last + 1] = False
+    return left
+
+
+def _runs(values: Bools) -> list[Piece]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], values.astype(np.int8), [0]])))
+    return list(zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True))
