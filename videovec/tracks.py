@@ -121,7 +121,7 @@ class StrokeTracks(TrackSet):
         return best and best[1:]
 
     def follow(self, stroke: int, u: ArrayLike) -> Floats:
-        """Where material points of a stroke are on every frame.
+        """Where material points of a stroke are on every frame, also those beyond a gap in it.
 
         >>> tracks.follow(1, 0.5)[:3].round(1).tolist()
         [[40.0, 20.0], [40.0, 20.0], [40.0, 22.0]]
@@ -136,7 +136,22 @@ class StrokeTracks(TrackSet):
         Raises:
             InputError: There is no such stroke.
         """
-        return self[stroke].follow(u)
+        followed = self[stroke].follow(u)
+        for part, whole in self.parents.items():
+            if whole == stroke:
+                beyond = self[part].follow(u)
+                followed = np.where(np.isnan(followed), beyond, followed)
+        return followed
+
+    @property
+    def parents(self) -> dict[int, int]:
+        """For each stroke that is the part of another beyond a gap in it, that other; they share their arc fractions.
+
+        >>> tracks.parents
+        {}
+        """
+        ids, parents = self.strokes.ids.tolist(), self.strokes.parent.tolist()
+        return {one: parent for one, parent in zip(ids, parents, strict=True) if parent in ids}
 
     def events_of(self, stroke: int) -> tuple[Event, ...]:
         """The events in which a stroke takes part, as one of their ids or parents.
