@@ -360,3 +360,31 @@ def test_a_stroke_reversed_twice_is_itself_and_once_runs_backwards(tracks: Strok
     once = tracks.reverse(1)
     np.testing.assert_allclose(once.follow(1, 0.25), tracks.follow(1, 0.75))
     np.testing.assert_array_equal(once.reverse(1).strokes.points, tracks.strokes.points)
+
+
+def with_a_gap(tracks: StrokeTracks) -> StrokeTracks:
+    """The first stroke alone, of which the third drawing shows both ends and not the middle; the second is its part."""
+    whole = StrokeLife.of(tracks.strokes, 0)
+    whole = replace(whole, visible=np.array([[0, 1], [0, 1], [0, 0.4], [0, 1.0]]))
+    part = replace(whole.between(2, 2), id=5, visible=np.array([[0.6, 1.0]]), parent=1)
+    return tracks_of([whole, part])
+
+
+def test_material_beyond_a_gap_is_followed_through_the_part_that_shows_it(tracks: StrokeTracks) -> None:
+    gap = with_a_gap(tracks)
+    assert gap.parents == {5: 1}
+    path = gap.follow(1, [0.25, 0.5, 0.75])[:, 4]
+    np.testing.assert_allclose(path, [[30, 24], [np.nan, np.nan], [50, 24]], atol=1e-9)
+
+
+def test_a_part_beyond_a_gap_is_saved_as_one(tracks: StrokeTracks, tmp_path: Path) -> None:
+    assert StrokeTracks.load(with_a_gap(tracks).save(tmp_path / "tracks.npz")).parents == {5: 1}
+
+
+def test_edits_keep_a_part_beyond_a_gap_or_set_it_free(tracks: StrokeTracks) -> None:
+    gap = with_a_gap(tracks)
+    turned = gap.reverse(5)
+    np.testing.assert_allclose(turned.follow(1, [0.25, 0.75]), gap.follow(1, [0.75, 0.25]))
+    assert gap.rename(1, 9).parents == {5: 9}
+    assert gap.split(1, frame=2).parents == {}
+    assert gap.drop(1).parents == {}

@@ -97,8 +97,11 @@ def drop(tracks: Tracks, strokes: Iterable[int]) -> Tracks:
 
 def reverse(tracks: Tracks, stroke: int) -> Tracks:
     """Run a stroke the other way; see ``StrokeTracks.reverse``."""
-    track = tracks[stroke]
-    return _with(tracks, {stroke: [replace(track, stroke=track.stroke.reversed())]})
+    whole = int(tracks.strokes.parent[tracks.position(stroke)]) or stroke
+    together = [track for track in tracks if whole in (track.id, track.stroke.parent)]  # parts share arc fractions
+    turned = {track.id: [replace(track, stroke=track.stroke.reversed())] for track in together}
+    edited = _with(tracks, turned)
+    return replace(edited, strokes=replace(edited.strokes, parent=tracks.strokes.parent))
 
 
 def _without_id(tracks: Tracks, stroke: int) -> Tracks:
@@ -117,7 +120,7 @@ def _with(tracks: Tracks, changed: dict[int, Sequence[StrokeTrack]], event: Even
     every = [one for track in tracks for one in changed.get(track.id, [track])]
     events = sorted([*tracks.events, *([event] if event else [])], key=lambda one: one.drawing)
     nothing = [np.zeros(0)]
-    strokes = Strokes.concatenate([track.stroke.as_strokes() for track in every])
+    strokes = _on_their_own(Strokes.concatenate([track.stroke.as_strokes() for track in every]), changed)
     brushwork = tracks.brushwork
     return replace(
         tracks,
@@ -127,3 +130,10 @@ def _with(tracks: Tracks, changed: dict[int, Sequence[StrokeTrack]], event: Even
         error=np.concatenate([*nothing, *(track.error for track in every)]),
         confidence=np.concatenate([*nothing, *(track.confidence for track in every)]),
     )
+
+
+def _on_their_own(strokes: Strokes, changed: dict[int, Sequence[StrokeTrack]]) -> Strokes:
+    """The strokes, of which those that were changed share no arc fractions with the part beyond a gap any more."""
+    new = [*changed, *(track.id for tracks in changed.values() for track in tracks)]
+    is_apart = np.isin(strokes.ids, new) | np.isin(strokes.parent, new)
+    return replace(strokes, parent=np.where(is_apart, 0, strokes.parent))
