@@ -20,7 +20,7 @@ import numpy as np
 from moving import MOTIONS, moving_clip
 from timing import machine
 
-from videovec.bench.clips import read_clips
+from videovec.bench.clip_truth import read_clips
 from videovec.clip import Clip
 from videovec.clip_metrics import TrueStroke, score_clip
 from videovec.decode import decode

@@ -26,7 +26,7 @@ from scipy.spatial import cKDTree
 from samples.make_samples import ball_movie, cat_movie, occluder_movie, robot_movie, turning_movie
 from samples.scene import Line, Movie, paint
 from samples.truth import movie_truth
-from videovec.bench.clips import read_clips
+from videovec.bench.clip_truth import read_clips
 from videovec.clip import Clip, Timeline
 from videovec.clip_metrics import TrueStroke, score_clip
 from videovec.curves import arc_length, sample_by_arc

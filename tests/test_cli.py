@@ -366,10 +366,12 @@ def test_bench_measures_a_clip_with_known_strokes(videovec: Command, tmp_path: P
     }
     (tmp_path / "clips" / "truth" / "line.json").write_text(json.dumps(truth))
     iio.imwrite(tmp_path / "clips" / "line.png", bar_image(32)[:24])
-    result = videovec("bench", "clips", tmp_path / "clips", "--pipeline", "good", "-o", "scores.csv")
+    result = videovec("bench", "clips", tmp_path / "clips", "--method", "good", "-o", "scores.csv", "--pictures", "p")
     assert result.exit_code == 0, result.output
     assert "line" in result.stdout
     assert len((tmp_path / "scores.csv").read_text().splitlines()) == 2
+    assert len((tmp_path / "scores_over_time.csv").read_text().splitlines()) == 2
+    assert sorted(path.name for path in (tmp_path / "p").iterdir()) == ["line_curves.svg", "line_strip.png"]
 
 
 def test_doctor_finds_this_machine_able(videovec: Command) -> None:

@@ -12,6 +12,7 @@ from videovec.options import Preset, Quiet, Settings
 
 if TYPE_CHECKING:
     from videovec.bench import Result
+    from videovec.bench.clips import ClipResult, ClipRun
 
 __all__ = ["bench"]
 
@@ -65,20 +66,44 @@ def stills(
 def clips(
     folder: Clips,
     names: Annotated[list[str] | None, typer.Option("--name", help="Only this clip; may be repeated.")] = None,
-    pipelines: Annotated[list[str] | None, typer.Option("--pipeline", help="solid ...; may be repeated.")] = None,
+    methods: Annotated[
+        list[str] | None,
+        typer.Option("--method", help="A pipeline, autotrace, skeleton ...; may be repeated. Default: four of them."),
+    ] = None,
     out: Table = None,
+    pictures: Annotated[
+        Path | None, typer.Option("--pictures", help="Folder for strips of strokes by identity and curves over time.")
+    ] = None,
     preset: Preset = None,
     settings: Settings = None,
     quiet: Quiet = False,
 ) -> None:
     """Compare what pipelines make of clips with their true strokes: identity, position, jitter."""
-    from videovec.bench.clips import bench_clips, clips_to_csv, clips_to_table, read_clips
+    from videovec.bench.clip_methods import METHODS
+    from videovec.bench.clip_pictures import picture_files
+    from videovec.bench.clip_report import clips_over_time, clips_to_csv, clips_to_table
+    from videovec.bench.clip_truth import read_clips
+    from videovec.bench.clips import bench_clips
     from videovec.config import configure
     from videovec.files import write_file
 
-    found = read_clips(folder, names or ())
+    runs: list[ClipRun] = []
+    results: list[ClipResult] = []
+
+    def draw(run: ClipRun, result: ClipResult) -> None:
+        if results and results[0].name != result.name:
+            runs.clear()
+            results.clear()
+        runs.append(run)
+        results.append(result)
+        if pictures:
+            for name, data in picture_files(runs, results):
+                write_file(pictures / name, data)  # after every method: a bench that is cut short has pictures too
+
+    found, config = read_clips(folder, names or ()), configure(preset, settings or ())
     with progress_on(quiet=quiet) as progress:
-        results = bench_clips(found, configure(preset, settings or ()), pipelines or ("solid",), progress=progress)
-    typer.echo(clips_to_table(results))
+        scores = bench_clips(found, config, methods or METHODS, draw, progress)
+    typer.echo(clips_to_table(scores))
     if out:
-        write_file(out, clips_to_csv(results))
+        write_file(out, clips_to_csv(scores))
+        write_file(out.with_stem(f"{out.stem}_over_time"), clips_over_time(scores))

@@ -1,7 +1,7 @@
 """How well strokes keep their identity over a clip, against true strokes that do.
 
 Identity is measured by the length of true strokes that is covered, not by counts of strokes; position, occlusion and
-jitter by material points that are followed from the first drawing on which they are seen.
+jitter by material points, see `videovec.point_metrics`.
 """
 
 from __future__ import annotations
@@ -14,38 +14,19 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
 from videovec.curves import arc_length, derivative, evaluate, parameter_at, segments_of
+from videovec.point_metrics import TOLERANCE, follow_points, has_ink, score_points
 from videovec.strokes import Strokes
+from videovec.true_strokes import TrueStroke
 
 __all__ = ["ClipScore", "TrueStroke", "score_clip"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
-THRESHOLDS = (1.0, 2.0, 4.0, 8.0, 16.0)
-"""Distances up to which a followed point is in place. px"""
-QUERIES = (0.1, 0.3, 0.5, 0.7, 0.9)
-"""Arc fractions, of the part that is seen first, of the points that are followed on every stroke."""
-TOLERANCE = 3.0
-"""Distance within which a stroke covers a point. px"""
 _TURN = np.cos(np.radians(45.0))
 """Cosine of the angle by which a covering stroke may differ in direction."""
 _STEP = 1.0
 """Distance of the samples on a stroke. px"""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class TrueStroke:
-    """A true stroke on one drawing.
-
-    Args:
-        id: Its identity over the clip.
-        points: Control points. [3n+1, 2] px
-        visible: Arc fractions that are seen; none if it is hidden.
-    """
-
-    id: int
-    points: Floats
-    visible: tuple[tuple[float, float], ...] = ((0.0, 1.0),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,34 +37,43 @@ class ClipScore:
         idf1: Harmonic mean of the shares of true and of found stroke length under the best one-to-one identities.
         persistence: Share of a true stroke's drawings that carry its most frequent identity; mean over strokes.
         full_life: Share of true strokes with one identity on all drawings on which they are seen.
-        position: Share of followed points within each of `THRESHOLDS`, while they are to be seen.
-        error: Mean distance of followed points. px
-        occlusion: Share of followed points and drawings on which it is known whether the point is seen.
-        jitter: Mean length of the second difference of followed points less that of the truth. px
+        position: See `videovec.point_metrics.PointScore`, as for the next four.
+        jaccard: Of position and occlusion together.
+        occlusion: Share of points and drawings.
+        error: px
+        jitter: px
         flicker: Mean change of the number of seen strokes from drawing to drawing, less that of the truth.
         births: Share of true births that are found within one drawing.
         deaths: Share of true deaths that are found within one drawing.
+        identity_over_time: Share of true stroke length on its stroke's best one-to-one identity. D
+        error_over_time: px for each of D drawings.
     """
 
     idf1: float
     persistence: float
     full_life: float
     position: tuple[float, ...]
-    error: float
+    jaccard: float
     occlusion: float
+    error: float
     jitter: float
     flicker: float
     births: float
     deaths: float
+    identity_over_time: tuple[float, ...]
+    error_over_time: tuple[float, ...]
 
 
-def score_clip(truth: list[list[TrueStroke]], strokes: Strokes, ink: NDArray[np.uint8] | None = None) -> ClipScore:
+def score_clip(
+    truth: list[list[TrueStroke]], strokes: Strokes, ink: NDArray[np.uint8] | None = None, *, by_arc: bool = False
+) -> ClipScore:
     """Compare strokes with the truth.
 
     Args:
         truth: The true strokes of each of D drawings.
         strokes: S strokes over the same drawings.
         ink: Coverage; where it is given, true strokes count only where there is ink. uint8 [D, H, W]
+        by_arc: See `videovec.point_metrics.follow_points`.
 
     Returns:
         All figures.
@@ -98,22 +88,25 @@ def score_clip(truth: list[list[TrueStroke]], strokes: Strokes, ink: NDArray[np.
         found_length[t] = _STEP * np.bincount(found.stroke, minlength=len(strokes))
         overlap[t] = _overlap(seen, found, len(ids), len(strokes))
     partner = _partners(overlap)
-    covered = sum(float(overlap[:, i, j].sum()) for i, j in partner.items())
+    covered = sum((overlap[:, i, j] for i, j in partner.items()), start=np.zeros(len(truth)))
     total = float(true_length.sum() + found_length.sum())
     persistence = _persistence(overlap, true_length)
     seen_true, seen_found = true_length > 0, found_length > 0
-    followed = _follow(truth, strokes)
+    points = score_points(follow_points(truth, strokes, ink, by_arc=by_arc))
     return ClipScore(
-        idf1=2 * covered / total if total else np.nan,
+        idf1=2 * float(covered.sum()) / total if total else np.nan,
         persistence=_mean(persistence),
         full_life=_mean(persistence == 1.0),
-        position=tuple(_mean(followed.error[followed.both] <= limit) for limit in THRESHOLDS),
-        error=_mean(followed.error[followed.both & np.isfinite(followed.error)]),
-        occlusion=_mean(followed.knows[followed.asked]),
-        jitter=followed.jitter,
+        position=points.position,
+        jaccard=points.jaccard,
+        occlusion=points.occlusion,
+        error=points.error,
+        jitter=points.jitter,
         flicker=_mean(np.abs(np.diff(seen_found.sum(1)) - np.diff(seen_true.sum(1)))),
         births=_found_ends(seen_true, seen_found, partner),
         deaths=_found_ends(seen_true[::-1], seen_found[::-1], partner),
+        identity_over_time=_shares(covered, true_length.sum(axis=1)),
+        error_over_time=points.error_over_time,
     )
 
 
@@ -152,9 +145,7 @@ def _true_samples(drawing: list[TrueStroke], ids: list[int], ink: NDArray[np.uin
     samples = _collect(parts)
     if ink is None or not len(samples.points):
         return samples
-    column, row = np.floor(samples.points).astype(np.intp).T
-    inside = (row >= 0) & (column >= 0) & (row < ink.shape[0]) & (column < ink.shape[1])
-    inside[inside] = ink[row[inside], column[inside]] > 0.3 * 255
+    inside = has_ink(ink, samples.points)
     return _Samples(samples.points[inside], samples.direction[inside], samples.stroke[inside])
 
 
@@ -219,101 +210,9 @@ def _found_ends(seen_true: NDArray[np.bool_], seen_found: NDArray[np.bool_], par
     return _mean(np.array(right))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Followed:
-    """Q points over D drawings: distance to the truth (inf where lost), what was asked, what was known, the jitter."""
-
-    error: Floats
-    both: NDArray[np.bool_]
-    asked: NDArray[np.bool_]
-    knows: NDArray[np.bool_]
-    jitter: float
-
-
-def _follow(truth: list[list[TrueStroke]], strokes: Strokes) -> _Followed:
-    """Follow points of every true stroke from the first drawing on which it is seen."""
-    tracks = [(t, q) for t, q in _queries(truth)]
-    error, both = np.full((len(tracks), len(truth)), np.inf), np.zeros((len(tracks), len(truth)), bool)
-    asked, knows, shakes = both.copy(), both.copy(), []
-    table = [{stroke.id: stroke for stroke in drawing} for drawing in truth]
-    for k, (start, (identity, u)) in enumerate(tracks):
-        first = table[start][identity]
-        segment, t = parameter_at(first.points, np.array([u]))
-        place = int(segment[0]), float(t[0])
-        hit = _nearest_place(strokes, start, _at(first.points, place))
-        gaps = np.full((len(truth), 2), np.nan)
-        for d in range(start, len(truth)):
-            true = table[d].get(identity)
-            same = true is not None and len(true.points) == len(first.points)
-            is_seen = true is not None and same and any(a <= u <= b for a, b in true.visible)
-            asked[k, d] = d > start
-            both[k, d] = is_seen and d > start
-            found = None if hit is None else _found_at(strokes, hit, d)
-            knows[k, d] = (found is not None and found[1]) == is_seen
-            if found is not None and true is not None and same:
-                gaps[d] = found[0] - _at(true.points, place)
-                error[k, d] = float(np.hypot(*gaps[d]))
-        shakes.append(np.linalg.norm(np.diff(gaps, 2, axis=0), axis=1))
-    shake = np.concatenate([np.zeros(0), *shakes])
-    return _Followed(error, both, asked, knows, _mean(shake[np.isfinite(shake)]))
-
-
-def _queries(truth: list[list[TrueStroke]]) -> list[tuple[int, tuple[int, float]]]:
-    """Drawing, identity and arc fraction of every point that is followed."""
-    known: set[int] = set()
-    queries = []
-    for t, drawing in enumerate(truth):
-        for stroke in drawing:
-            if stroke.id in known or not stroke.visible:
-                continue
-            known.add(stroke.id)
-            a, b = max(stroke.visible, key=lambda part: part[1] - part[0])
-            queries += [(t, (stroke.id, a + q * (b - a))) for q in QUERIES]
-    return queries
-
-
-def _at(points: Floats, place: tuple[int, float]) -> Floats:
-    return np.asarray(evaluate(segments_of(points)[place[0]], place[1]))
-
-
-def _nearest_place(strokes: Strokes, drawing: int, point: Floats) -> tuple[int, int, float, float] | None:
-    """Stroke, segment, parameter and arc fraction nearest to a point; none within the tolerance. px"""
-    best: tuple[int, int, float, float] | None = None
-    gap = TOLERANCE
-    for row in strokes.rows_at(drawing):
-        points = strokes.points_of(row)
-        u0, u1 = map(float, strokes.visible[row])
-        if arc_length(points) < 1e-6 or u1 <= u0:
-            continue
-        for u in _from_coarse_to_fine(points, point, (u0, u1)):
-            segment, t = parameter_at(points, np.array([u]))
-            distance = float(np.linalg.norm(_at(points, (int(segment[0]), float(t[0]))) - point))
-            if distance < gap:
-                gap = distance
-                best = int(strokes.layout.row_stroke[row]), int(segment[0]), float(t[0]), u
-    return best
-
-
-def _from_coarse_to_fine(points: Floats, point: Floats, visible: tuple[float, float]) -> list[float]:
-    """The arc fraction nearest to a point, at two resolutions."""
-    found = []
-    for count in (max(2, round(2 * arc_length(points))), 65):
-        u = np.linspace(*visible, count)
-        segment, t = parameter_at(points, u)
-        k = int(np.linalg.norm(evaluate(segments_of(points)[segment], t) - point, axis=1).argmin())
-        found.append(float(u[k]))
-        visible = float(u[max(k - 1, 0)]), float(u[min(k + 1, count - 1)])
-    return found
-
-
-def _found_at(strokes: Strokes, hit: tuple[int, int, float, float], drawing: int) -> tuple[Floats, bool] | None:
-    """Where a material point of a found stroke is, and whether it is seen."""
-    stroke, segment, t, u = hit
-    if not strokes.layout.first[stroke] <= drawing <= strokes.layout.last[stroke]:
-        return None
-    row = strokes.row(stroke, drawing)
-    u0, u1 = strokes.visible[row]
-    return _at(strokes.points_of(row), (segment, t)), bool(u1 > u0 and u0 <= u <= u1)
+def _shares(parts: Floats, wholes: Floats) -> tuple[float, ...]:
+    """Parts over wholes, NaN where there is no whole."""
+    return tuple(float(a / b) if b else float("nan") for a, b in zip(parts, wholes, strict=True))
 
 
 def _mean(values: Floats | NDArray[np.bool_]) -> float:

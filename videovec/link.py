@@ -63,7 +63,8 @@ def _matched(before: Strokes, after: Strokes, search_range: float) -> dict[int, 
     """The earlier stroke of each later one that has one; open strokes do not become closed."""
     if not len(before) or not len(after):
         return {}
-    cost = np.array([[_distance(a, b) for b in _curves(after)] for a in _curves(before)])
+    later_curves = _curves(after)
+    cost = np.array([[_distance(a, b) for b in later_curves] for a in _curves(before)])
     cost[before.is_closed[:, None] != after.is_closed] = np.inf
     earlier, later = linear_sum_assignment(np.minimum(cost, 2 * search_range))
     return {int(b): int(a) for a, b in zip(earlier, later, strict=True) if cost[a, b] <= search_range}
