@@ -213,8 +213,8 @@ class ExportSettings:
     line_tolerance: Annotated[float, Between(0)] = 0.25
     """A stroke is written as a line of its mean width where that draws 95 % of its edge within this. px"""
     lottie_tolerance: Annotated[float, Between(0)] = 0.25
-    """How far a reduced keyframe curve may lie from the fitted one. px"""
-    lottie_decimals: Annotated[int, Between(0, 6)] = 2
+    """How far a stroke between reduced and rounded keyframes may lie from the fitted one. px"""
+    lottie_decimals: Annotated[int, Between(0, 6)] = 1
     """Decimals of a coordinate."""
     texture: Annotated[str, OneOf(("mean", "image"))] = "mean"
     """How SVG frames and Lottie show textured strokes: mean, even ink of the same density; image, embedded pixels."""

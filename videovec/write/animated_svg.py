@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 import svgwrite
+from numpy.typing import NDArray
 from svgwrite.base import BaseElement
 
 from videovec.settings import ExportSettings
@@ -21,6 +22,8 @@ from videovec.write.svg import number, path_data
 from videovec.write.time_base import TimeBase, time_base
 
 __all__ = ["animated_svg_text"]
+
+_EVEN = "0 0 1 1"
 
 
 def animated_svg_text(
@@ -46,6 +49,11 @@ def animated_svg_text(
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{document.tostring()}\n'
 
 
+def _spline(handles: NDArray[np.float64]) -> str:
+    """An easing as SVG writes it."""
+    return " ".join(number(handle, 4) for handle in handles)
+
+
 class _Clock:
     """Writes values over time as elements that animate an attribute."""
 
@@ -62,18 +70,27 @@ class _Clock:
         """Animate an attribute of a path through the values of its keyframes, unless they are all the same."""
         if len(set(values)) == 1:
             return
-        times, shown = [0.0], [values[0]]
+        times, shown, splines = [0.0], [values[0]], []
         for k, time in enumerate(animated.times.tolist()):
             if k and animated.is_hold[k - 1]:
                 times.append(time)
                 shown.append(values[k - 1])
+                splines.append(_EVEN)
             if time > 0 or k:
                 times.append(time)
                 shown.append(values[k])
+                handles = (
+                    None if animated.handles is None or not k or animated.is_hold[k - 1] else animated.handles[k - 1]
+                )
+                splines.append(_EVEN if handles is None else _spline(handles))
         if times[-1] < self._end:
             times.append(self._end)
             shown.append(values[-1])
-        path.add(self._animation(attribute, times, shown))
+            splines.append(_EVEN)
+        animation = self._animation(attribute, times, shown)
+        if set(splines) != {_EVEN}:
+            animation.attribs |= {"calcMode": "spline", "keySplines": ";".join(splines)}
+        path.add(animation)
 
     def _animation(self, attribute: str, times: list[float], values: list[str]) -> BaseElement:
         animation = BaseElement(debug=False)

@@ -7,10 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Animated", "reduce_keyframes"]
+__all__ = ["EVEN", "Animated", "ease", "parameter_of", "reduce_keyframes"]
 
 Floats = NDArray[np.float64]
 
+EVEN = (1 / 3, 1 / 3, 2 / 3, 2 / 3)
+"""Handles of an easing that moves evenly."""
+_NEWTON = 12  # steps, enough for handles that are not nearly upright
 _REACH = 128  # samples over which one keyframe may reach; bounds the cost of long clips
 
 
@@ -21,12 +24,14 @@ class Animated:
     Args:
         times: When each keyframe is, increasing. [K] ticks
         values: The value at each. [K, ...]
-        is_hold: Whether the value stays until the next keyframe; otherwise it moves there evenly. bool [K]
+        is_hold: Whether the value stays until the next keyframe; otherwise it moves there. bool [K]
+        handles: How it moves there, see `ease`; evenly where there are none. [K, 4]
     """
 
     times: Floats
     values: Floats
     is_hold: NDArray[np.bool_]
+    handles: Floats | None = None
 
     @property
     def is_static(self) -> bool:
@@ -39,7 +44,36 @@ class Animated:
         if k == len(self.times) - 1 or self.is_hold[k] or time <= self.times[k]:
             return np.asarray(self.values[k])
         share = (time - self.times[k]) / (self.times[k + 1] - self.times[k])
+        if self.handles is not None:
+            share = float(ease(self.handles[k], np.asarray(share)))
         return np.asarray(self.values[k] + share * (self.values[k + 1] - self.values[k]))
+
+
+def ease(handles: ArrayLike, share: Floats) -> Floats:
+    """How far a move has come at shares of its time, as Lottie, SVG and CSS have it.
+
+    Args:
+        handles: x and y of both handles of a cubic Bézier curve from (0, 0) to (1, 1), x in (0, 1). [4]
+        share: Of the time between two keyframes: x. [...]
+
+    Returns:
+        y. [...]
+    """
+    x1, y1, x2, y2 = np.asarray(handles, dtype=np.float64)
+    return _cubic(y1, y2, parameter_of(x1, x2, share))
+
+
+def parameter_of(x1: float, x2: float, share: Floats) -> Floats:
+    """Where on a cubic Bézier curve from 0 to 1 with handles at x1 and x2 in (0, 1) a value is. [...]"""
+    t = np.asarray(share, dtype=np.float64)
+    for _ in range(_NEWTON):
+        slope = 3 * ((1 - t) ** 2 * x1 + 2 * (1 - t) * t * (x2 - x1) + t**2 * (1 - x2))
+        t = np.clip(t - (_cubic(x1, x2, t) - share) / np.maximum(slope, 0.05), 0.0, 1.0)
+    return t
+
+
+def _cubic(first: float, second: float, t: Floats) -> Floats:
+    return np.asarray(3 * (1 - t) ** 2 * t * first + 3 * (1 - t) * t**2 * second + t**3)
 
 
 def reduce_keyframes(times: Floats, values: Floats, tolerance: ArrayLike, is_held: NDArray[np.bool_]) -> Animated:

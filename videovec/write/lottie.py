@@ -20,7 +20,7 @@ from videovec import __version__
 from videovec.settings import ExportSettings
 from videovec.stroke_shape import hex_colour
 from videovec.tracks import StrokeTracks
-from videovec.write.keyframes import Animated
+from videovec.write.keyframes import EVEN, Animated
 from videovec.write.motion import StrokeMotion, stroke_motions
 from videovec.write.time_base import time_base
 
@@ -138,9 +138,17 @@ def _property(animated: Animated, value: Value) -> Json:
         if k < last and animated.is_hold[k]:
             keyframe["h"] = 1
         elif k < last:
-            keyframe |= {"o": {"x": 0, "y": 0}, "i": {"x": 1, "y": 1}}  # even: the easing curve is the diagonal
+            keyframe |= _easing(None if animated.handles is None else animated.handles[k])
         keyframes.append(keyframe)
     return {"a": 1, "k": keyframes}
+
+
+def _easing(handles: Floats | None) -> Json:
+    """The easing between two keyframes; an even one is the diagonal."""
+    if handles is None or np.abs(handles - EVEN).max() < 0.001:
+        return {"o": {"x": 0, "y": 0}, "i": {"x": 1, "y": 1}}
+    x1, y1, x2, y2 = (_compact(float(handle), 3) for handle in handles)
+    return {"o": {"x": x1, "y": y1}, "i": {"x": x2, "y": y2}}
 
 
 def _bezier(points: Floats, is_closed: bool, decimals: int) -> Json:

@@ -12,6 +12,7 @@ from videovec.curves import arc_length
 from videovec.settings import ExportSettings
 from videovec.stroke_shape import StrokeShape, shape_of_row
 from videovec.tracks import StrokeTracks
+from videovec.write.easing import reduce_paths
 from videovec.write.keyframes import Animated, reduce_keyframes
 from videovec.write.outline import outline, plan_outline
 from videovec.write.style import is_constant_width, mean_half_widths
@@ -78,7 +79,7 @@ def stroke_motions(tracks: StrokeTracks, base: TimeBase, settings: ExportSetting
         clock = _Clock(
             base.drawing_ticks[drawings].astype(np.float64),
             (base.exposure[drawings] > 1) & (not settings.lottie_smooth),
-            settings.lottie_tolerance,
+            _room(settings),
         )
         seen = shapes[int(np.argmax([shape.is_visible for shape in shapes]))]
         yield StrokeMotion(
@@ -109,17 +110,21 @@ class _Clock:
         )
 
 
+def _room(settings: ExportSettings) -> float:
+    """What rounded coordinates leave of the tolerance. px"""
+    rounding = np.hypot(0.5, 0.5) * 0.1**settings.lottie_decimals
+    return float(max(settings.lottie_tolerance - rounding, settings.lottie_tolerance / 2))
+
+
 def _lines(shapes: list[StrokeShape], clock: _Clock) -> tuple[Animated, ...]:
     points = np.stack([shape.points for shape in shapes])
-    return (clock.reduce(points, clock.tolerance / np.sqrt(2)),)
+    return reduce_paths(clock.times, [points], clock.is_held, clock.tolerance, is_open=not shapes[0].is_closed)
 
 
 def _outlines(shapes: list[StrokeShape], clock: _Clock) -> tuple[Animated, ...]:
-    """One or two loops with the same keyframes."""
-    loops = outline(shapes, plan_outline(shapes))
-    ends = np.cumsum([loop.shape[1] for loop in loops])[:-1]
-    both = clock.reduce(np.concatenate(loops, axis=1), clock.tolerance / np.sqrt(2))
-    return tuple(Animated(both.times, part, both.is_hold) for part in np.split(both.values, ends, axis=1))
+    """One or two loops with the same keyframes; half of what they may be off is the plan's."""
+    loops = outline(shapes, plan_outline(shapes, clock.tolerance / 2))
+    return reduce_paths(clock.times, loops, clock.is_held, clock.tolerance / 2)
 
 
 def _visible(shapes: list[StrokeShape], clock: _Clock) -> Animated | None:

@@ -9,6 +9,8 @@ from videovec.strokes import Strokes
 
 __all__ = ["is_constant_width", "mean_half_widths"]
 
+Floats = NDArray[np.float64]
+
 _MOST = 0.95  # of a stroke's length must be drawn well
 
 
@@ -35,12 +37,20 @@ def is_constant_width(strokes: Strokes, tolerance: float) -> NDArray[np.bool_]:
         True where 95 % of the length, over all drawings, is within the tolerance. bool [S]
     """
     layout = strokes.layout
-    off = np.abs(strokes.half_width - mean_half_widths(strokes)[layout.joint_row])
-    is_off = off[layout.segment_joints].max(1) > tolerance
+    off = (strokes.half_width - mean_half_widths(strokes)[layout.joint_row])[layout.segment_joints]
     length = _lengths(strokes) + 1e-9
     stroke = layout.row_stroke[layout.segment_row]
-    off_length = np.bincount(stroke[is_off], length[is_off], len(strokes))
+    off_length = np.bincount(stroke, length * _share_beyond(off[:, 0], off[:, 1], tolerance), len(strokes))
     return np.asarray(off_length <= (1 - _MOST) * np.bincount(stroke, length, len(strokes)))
+
+
+def _share_beyond(start: Floats, end: Floats, limit: float) -> Floats:
+    """The share of the way from one value to another on which they are larger than a limit, either sign. [G]"""
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    beyond = np.maximum(high - np.maximum(low, limit), 0) + np.maximum(np.minimum(high, -limit) - low, 0)
+    is_even = high - low < 1e-9
+    share = np.where(is_even, np.abs(high) > limit, beyond / np.where(is_even, 1.0, high - low))
+    return np.asarray(share, dtype=np.float64)
 
 
 def _lengths(strokes: Strokes) -> NDArray[np.float64]:
