@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from test_propagate import arc, draw, ink_of, line, run, strokes_of
 
-from tests.test_propagate import arc, draw, ink_of, line, run, strokes_of
 from videovec.events import EventKind
 from videovec.propagate.nodes import bases_of, gather
 from videovec.propagate.refine import refine
