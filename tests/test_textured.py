@@ -20,6 +20,7 @@ from videovec.brush import BrushModel, load_brush, propose_textured
 from videovec.cli import app
 from videovec.clip import Clip
 from videovec.config import configure
+from videovec.curves import arc_length
 from videovec.ink import Ink
 from videovec.progress import Silent
 from videovec.quality import draw_tracks
@@ -56,6 +57,17 @@ def page(strip: Floats, shift: float, fine: int = 3) -> Floats:
     return np.asarray(ink.reshape(SIZE, fine, SIZE, fine).mean((1, 3)))
 
 
+def centre_lines(count: int = 80) -> list[Floats]:
+    """The lines of a page as polygons of cubics with even handles. 7 times [3 count + 1, 2] px"""
+    rng = np.random.default_rng(3)
+    lines = []
+    for k in range(7):
+        begin, _ = rng.uniform(8, 14), rng.uniform(0, REPEAT)
+        x = np.linspace(begin, SIZE - begin, 3 * count + 1)
+        lines.append(np.stack([x, 20 + 32 * k + 3 * np.sin(x / 23 + k)], axis=1))
+    return lines
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A clip of two drawings, and the folder of its run beside it."""
@@ -90,6 +102,12 @@ def test_strokes_and_one_brush_come_out_and_draw_the_clip(folder: Path, tracks: 
     assert set(tracks.strokes.layout.last) == {1}
     record = json.loads((folder / "run" / "run.json").read_text())
     assert record["metrics"]["psnr_worst_db"] > 22
+
+
+def test_strokes_do_not_follow_the_rough_edge(tracks: StrokeTracks) -> None:
+    true = sum(float(arc_length(line)) for line in centre_lines())
+    drawn = sum(float(arc_length(tracks.strokes.points_of(row))) for row in range(0, 2 * len(tracks), 2))
+    assert drawn == pytest.approx(true, rel=0.0508)  # what the supplement's textured strokes differ by at 512 px
 
 
 def test_the_brush_lies_beside_the_strokes_in_every_form(folder: Path, tracks: StrokeTracks) -> None:
