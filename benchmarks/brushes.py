@@ -27,12 +27,14 @@ from PIL import Image
 
 from videovec.brush import BrushFit, apply_brush, fit_brush, solidify
 from videovec.clip import Clip, Timeline
+from videovec.config import configure
+from videovec.fit import fit as fit_solid
 from videovec.initialise import initialise
 from videovec.ink import Ink, extract_ink
 from videovec.metrics import chamfer, length_difference, psnr, ssim
 from videovec.optimise import Schedule, optimise
 from videovec.perceptual import Perceptual
-from videovec.settings import BrushSettings, Config
+from videovec.settings import BrushSettings
 from videovec.strokes import Strokes
 
 Floats = NDArray[np.float64]
@@ -81,11 +83,12 @@ def noisy_start(drawn: Drawn, seed: int) -> Strokes:
 
 
 def traced_start(picture: NDArray[np.uint8]) -> tuple[Ink, Strokes]:
-    """What the pipeline would trace: the ink, and strokes on its solidified version."""
+    """What ``--preset textured`` starts its brush from: the ink, and the solid fit of its solidified version."""
     timeline = Timeline(np.zeros(1, np.intp), (Fraction(0),), Fraction(1), np.ones(1, np.intp))
-    config = Config()
+    config = configure("textured", ())
     ink = extract_ink(Clip("still", (np.repeat(picture[..., None], 3, axis=2),), timeline), config.ink)
-    return ink, initialise(solidify(ink), 0, config.initialise)
+    solid = solidify(ink)
+    return ink, fit_solid(solid, initialise(solid, 0, config.initialise), config.fit).strokes
 
 
 def painted(fit: BrushFit, size: tuple[int, int], ink: Ink) -> Floats:
@@ -117,7 +120,6 @@ def run(truth: Path, name: str, args: argparse.Namespace, network: Perceptual) -
     judge = Judge(picture / 255.0, Strokes.from_curves(drawn.curves, drawn.half_widths), network)
     if args.start == "traced":
         ink, start = traced_start(picture)
-        start = optimise(start, solidify(ink).coverage, Schedule(steps=200)).strokes
         solid = start
     else:
         ink, start = ink_of(picture), noisy_start(drawn, args.seed + 1)

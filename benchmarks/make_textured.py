@@ -71,6 +71,14 @@ BRUSHES = {
     "random_eroded": TrueBrush("dabs", "brushes/circle_hard_eroded.gih", "random", True, is_held_out=True),
     "random_pencil": TrueBrush("dabs", "Sketch/Pencil-01.gih", "random", True, is_held_out=True),
     "paper_torchon": TrueBrush("paper", "patterns/05_paper-torchon.png", is_held_out=True),
+    "strip_freckles": TrueBrush("strip", "brushes/freckles.png", explains="texture", is_held_out=True),
+    "strip_burnt": TrueBrush("strip", "Sketch/Charcoal-01.gbr", explains="texture", is_held_out=True),
+    "follow_bristles": TrueBrush(
+        "dabs", "brushes/bristles_chisel_dense.png", "follow", explains="profile", is_held_out=True
+    ),
+    "random_rock": TrueBrush("dabs", "brushes/rock_pitted.gih", "random", True, is_held_out=True),
+    "random_soft_pencil": TrueBrush("dabs", "Sketch/Pencil-02.gih", "random", True, is_held_out=True),
+    "paper_canvas": TrueBrush("paper", "patterns/02_rough-canvas.png", is_held_out=True),
 }
 
 

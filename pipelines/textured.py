@@ -12,6 +12,7 @@ from videovec.propagate import propagate
 from videovec.settings import Config
 from videovec.start import first_strokes, start_drawing, start_settings
 from videovec.tracks import StrokeTracks
+from videovec.vote import vote
 
 
 def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
@@ -23,6 +24,8 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     begun = first_strokes(solid, seed, config)
     first = fit(solid.at_drawing(seed), begun, start_settings(config), config.render, progress)
     carried = propagate(solid, first.finished().strokes.shifted(seed), config.propagate, trace, progress)
+    if not config.initialise.reference:  # an artist's strokes stay as they were drawn
+        carried = vote(solid, carried, seed, trace, progress)
     strokes = carried.strokes
     if ink.drawing_count > 1:  # a still was fitted already
         strokes = fit(solid, strokes, config.fit, config.render, progress).finished().strokes

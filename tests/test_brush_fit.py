@@ -237,7 +237,7 @@ def test_alignment_finds_phase_and_direction_of_pieces_of_one_texture() -> None:
         piece = piece[::-1, ::-1] if k % 3 == 0 else piece
         strips.append(Strip(piece, np.ones_like(piece), np.ones(length), np.nan))
         starts.append(start)
-    repeat, _, _ = find_repeat(strips, 6.0, 12.0)
+    repeat = find_repeat(strips, 6.0, 12.0)
     assert repeat == pytest.approx(8.0, rel=0.006)
     found = align(strips, 8.0)
     assert found.score > 0.8

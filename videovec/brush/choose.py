@@ -85,7 +85,7 @@ def weigh(
     sure = [_surest(strip, grain_level(strips)) for strip in strips]
     longest = max(len(strip.grain) for strip in strips) / TEXELS_PER_WIDTH
     highest = max(min(settings.longest_repeat, longest), 1.05 * settings.shortest_repeat)
-    repeat, _, _ = find_repeat(sure, settings.shortest_repeat, highest)
+    repeat = find_repeat(sure, settings.shortest_repeat, highest)
     found = learn_texture(sure, repeat)
     null = float(np.mean([learn_texture(shuffled(sure, rng), repeat).score for _ in range(2)]))
     lean = find_lean(strips)

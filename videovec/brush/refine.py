@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from videovec.brush.paint import BrushTensors, Pairs, find_pair_groups, paint
+from videovec.brush.shape import Shape
 from videovec.brushwork import Brush, Laying
 from videovec.progress import Progress
 from videovec.strokes import Layout, Strokes
@@ -19,7 +20,6 @@ __all__ = ["Laid", "RefineSchedule", "refine"]
 Floats = NDArray[np.float64]
 
 _DRAWINGS_AT_ONCE = 4
-_SMOOTH_TURN = np.cos(np.radians(60.0))  # joints that turn less than this are smooth, and stay so
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +45,6 @@ class RefineSchedule:
         strip: Step of the logit of texels.
         rebuild: Steps between two searches for the pixels near each stroke.
         prior: Pull of every texel to the strip's profile, in pixels that agree with it.
-        continuity: Weight of the kink at smooth joints.
     """
 
     steps: int
@@ -57,7 +56,6 @@ class RefineSchedule:
     strip: float = 0.08
     rebuild: int = 15
     prior: float = 0.1
-    continuity: float = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +111,7 @@ def refine(laid: Laid, coverage: NDArray[np.uint8], schedule: RefineSchedule, pr
     rates = (schedule.points, schedule.half_width, schedule.density, schedule.phase, schedule.shift, schedule.strip)
     moving = [(leaf, rate) for leaf, rate in zip(_all(leaves), rates, strict=True) if rate > 0]
     optimiser = torch.optim.Adam([{"params": [leaf]} for leaf, _ in moving], betas=(0.9, 0.99))
-    kinks = _smooth_joints(laid.strokes)
+    shape = Shape.of(laid.strokes, float(max(coverage.shape[1:])))
     groups: list[Pairs] = []
     for step in range(schedule.steps):
         if step % schedule.rebuild == 0:
@@ -126,7 +124,7 @@ def refine(laid: Laid, coverage: NDArray[np.uint8], schedule: RefineSchedule, pr
             error.backward()  # type: ignore[no-untyped-call]
         strip = torch.sigmoid(leaves.logit_strip)
         loss = schedule.prior * (strip - strip.detach().mean(0)).square().sum()
-        loss = loss + schedule.continuity * _kink(leaves.points, kinks)
+        loss = loss + shape.loss(leaves.points)
         loss.backward()  # type: ignore[no-untyped-call]
         decay = 0.1 + 0.45 * (1 + float(np.cos(np.pi * step / schedule.steps)))
         for group, (_, rate) in zip(optimiser.param_groups, moving, strict=True):
@@ -175,23 +173,3 @@ def split_density(ink: Floats, layout: Layout) -> tuple[Floats, Floats]:
     """Ink at joints [J] as the opacity of its row, its maximum [R], and the density against it [J]."""
     opacity = np.maximum(np.maximum.reduceat(ink, layout.row_joints[:-1]), 1e-6)
     return opacity, ink / opacity[layout.joint_row]
-
-
-def _smooth_joints(strokes: Strokes) -> NDArray[np.intp]:
-    """Control points before, at and after every inner joint at which the strokes turn little. int [K, 3]"""
-    layout = strokes.layout
-    inner = np.flatnonzero(np.diff(layout.segment_row) == 0)
-    triples = layout.segment_points[inner][:, 2:4]
-    triples = np.concatenate([triples, layout.segment_points[inner + 1][:, 1:2]], axis=1)
-    before = strokes.points[triples[:, 1]] - strokes.points[triples[:, 0]]
-    after = strokes.points[triples[:, 2]] - strokes.points[triples[:, 1]]
-    scale = np.maximum(np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1), 1e-9)
-    return np.asarray(triples[(before * after).sum(1) / scale > _SMOOTH_TURN])
-
-
-def _kink(points: Tensor, triples: NDArray[np.intp]) -> Tensor:
-    """Sum of squared differences of the unit tangents at smooth joints. Scalar"""
-    before, at, after = (points[torch.as_tensor(triples[:, k])] for k in range(3))
-    incoming = torch.nn.functional.normalize(at - before, dim=1, eps=1e-3)
-    outgoing = torch.nn.functional.normalize(after - at, dim=1, eps=1e-3)
-    return (incoming - outgoing).square().sum()

@@ -1,0 +1,65 @@
+"""The repeat of a brush, from strips that were laid along curves whose arc length is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import torch
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter, gaussian_filter1d
+
+from videovec.brush.align import find_repeat
+from videovec.brush.repeat import recurrence
+from videovec.brush.shape import unfairness
+from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
+
+Floats = NDArray[np.float64]
+
+
+def grain(widths: float, rng: np.random.Generator) -> Floats:
+    """Rubbed ink, periodic in the first axis."""
+    field = gaussian_filter(rng.normal(size=(round(widths * TEXELS_PER_WIDTH), 24)), (2.0, 1.2), mode="wrap")
+    return np.asarray(field / field.std())
+
+
+def laid(texture: Floats, widths: float, drift: float, rng: np.random.Generator) -> Strip:
+    """A strip of a texture whose arc length is off by a share that varies along it, with as much noise as grain."""
+    count = round(widths * TEXELS_PER_WIDTH)
+    stretch = 1 + drift * (rng.uniform(-1, 1) + 8 * gaussian_filter1d(rng.normal(size=count), 60))
+    place = np.cumsum(stretch) + rng.uniform(0, len(texture))
+    left = np.floor(place).astype(int)
+    share = (place - left)[:, None]
+    ink = (1 - share) * texture[left % len(texture)] + share * texture[(left + 1) % len(texture)]
+    ink = ink + grain(widths, rng)
+    if rng.random() < 0.5:
+        ink = ink[::-1, ::-1]
+    return Strip(ink, np.ones_like(ink), np.ones(count), float("nan"))
+
+
+@pytest.mark.parametrize("widths", [7.0, 16.0])
+def test_a_repeat_is_found_where_arc_lengths_drift(widths: float) -> None:
+    rng = np.random.default_rng(int(widths))
+    texture = grain(widths, rng)
+    strips = [laid(texture, length, 0.02, rng) for length in rng.uniform(8, 48, 8)]
+    found = recurrence(strips, 4.0, 40.0)
+    assert found.peaks(1)[0] == pytest.approx(widths, rel=0.02)
+    never = [laid(grain(200, rng), len(strip.grain) / TEXELS_PER_WIDTH, 0.02, rng) for strip in strips]
+    assert found.score.max() > 2 * recurrence(never, 4.0, 40.0).score.max()
+    assert find_repeat(strips, 4.0, 40.0) == pytest.approx(widths, rel=0.02)
+
+
+def test_strokes_too_short_to_show_a_repeat_show_none() -> None:
+    rng = np.random.default_rng(2)
+    strips = [laid(grain(16.0, rng), 5.0, 0.0, rng) for _ in range(4)]
+    assert not len(recurrence(strips, 4.0, 12.0).peaks(3))
+
+
+def test_even_segments_are_fair_at_any_size_and_folded_ones_are_not() -> None:
+    straight = torch.tensor([[[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [30.0, 0.0]]], dtype=torch.float64)
+    bent = straight.clone()
+    bent[0, 1:3, 1] = 4.0
+    folded = straight.clone()
+    folded[0, 1, 0], folded[0, 2, 0] = 25.0, 5.0
+    assert float(unfairness(straight)) == pytest.approx(0.0, abs=1e-12)
+    assert float(unfairness(7 * bent)) == pytest.approx(float(unfairness(bent)))
+    assert float(unfairness(folded)) > 20 * float(unfairness(bent))
