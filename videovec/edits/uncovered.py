@@ -8,8 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from scipy.spatial import cKDTree
+
+from videovec.curves import arc_length, sample_by_arc
 from videovec.edits.layers import Page, layers_of
-from videovec.edits.shapes import shapes_of, strokes_of
+from videovec.edits.shapes import Shape, shapes_of, strokes_of
 from videovec.initialise import initialise
 from videovec.ink import Ink
 from videovec.settings import EditSettings, InitialiseSettings
@@ -22,6 +25,7 @@ Floats = NDArray[np.float64]
 _SPREAD = 0.5  # of a typical line's width: what the residual is averaged over, so that edges do not count
 _LEFT = 0.3  # of the ridge's strength that such an average has where a line is missing
 _STROKE = 10  # control points that a stroke more must be worth beside its own
+_BESIDE = 1.0  # px between a short stroke's edge and others beside which it is no stroke
 _NOISE = 5.0  # standard deviations of page noise that a patch must weigh
 
 
@@ -48,12 +52,31 @@ def add_strokes(strokes: Strokes, page: Page, ink: Ink, settings: EditSettings, 
     )
     shapes = shapes_of(strokes)
     above = int(max(strokes.layer, default=-1)) + 1
+    bodies = _bodies(strokes)
     for shape, layer in zip(shapes_of(found), layers_of(found, page.size), strict=True):
+        if _is_speck(shape, bodies, settings):
+            continue
         if -page.rise([], [layer]) > settings.price * (len(shape.points) + _STROKE):
             page.add(layer)
             shapes.append(replace(shape, id=next_id, layer=above))
             next_id, above = next_id + 1, above + 1
     return strokes_of(shapes)
+
+
+def _bodies(strokes: Strokes) -> cKDTree | None:
+    """Points all along strokes; none where there are none."""
+    if not len(strokes):
+        return None
+    lines = [strokes.points_of(s) for s in range(len(strokes))]
+    return cKDTree(np.concatenate([sample_by_arc(line, max(2, round(arc_length(line)))) for line in lines]))
+
+
+def _is_speck(shape: Shape, bodies: cKDTree | None, settings: EditSettings) -> bool:
+    """Whether a stroke is so short and so close to others that it is an error of theirs and no stroke."""
+    if bodies is None or arc_length(shape.points) >= settings.d_min:
+        return False
+    reach = _BESIDE + 2.0 * float(shape.half_width.max())
+    return bool(np.isfinite(bodies.query(shape.points[::3], distance_upper_bound=reach)[0]).any())
 
 
 def _typical_width(strokes: Strokes) -> float:
