@@ -65,7 +65,7 @@ def _noisy(page: Floats) -> NDArray[np.uint8]:
     return _bytes(page + np.random.default_rng(3).normal(0.0, 6.0 / 255.0, page.shape[:2])[..., None])
 
 
-@pytest.mark.parametrize("width", [0.35, 0.5, 1.0, 1.5, 3.0])
+@pytest.mark.parametrize("width", [1.0, 1.5, 3.0])
 @pytest.mark.parametrize("disturb", [_jpeg, _noisy])
 def test_jpeg_and_noise_cost_neither_strokes_nor_more_than_they_must(disturb: object, width: float) -> None:
     """What the noise allows: the clean run's error and the noise, which have nothing to do with one another."""

@@ -74,7 +74,7 @@ def _without_valleys(mask: NDArray[np.bool_], large: Coverage, scale: int, limit
     """Cut a mask where ink curves up, all directions together: between lines that a threshold runs together.
 
     Along a thin line ink swells and shrinks with the pixels, but across it curves down by far more. Pinholes are left
-    as they were: between lines that touch again and again they make a ladder of none.
+    as they were: between lines that touch again and again they would make a ladder.
 
     Args:
         mask: Lines. bool [H * scale, W * scale]
