@@ -7,7 +7,6 @@ from dataclasses import replace
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-
 from scipy.spatial import cKDTree
 
 from videovec.curves import arc_length, sample_by_arc
