@@ -143,6 +143,24 @@ def test_a_followed_point_is_absent_where_it_is_hidden_or_its_stroke_not_alive(t
     assert seen.tolist() == [False, False, True, True, True, True, True, True]
 
 
+def test_a_followed_point_stays_in_its_material_when_a_part_of_its_stroke_is_stretched(tracks: StrokeTracks) -> None:
+    """A line of two segments of 20 px, the second of which grows to 60 px: its middle moves, the joint does not."""
+    whole = StrokeLife.of(tracks.strokes, 0)
+    x = np.array([[0.0, 20.0, 20.0 + length] for length in (20.0, 30.0, 40.0, 60.0)])
+    line = np.stack([np.interp(np.arange(7) / 3, [0, 1, 2], row) for row in x])
+    points = np.stack([line, np.full_like(line, 30.0)], axis=-1)
+    stretched = tracks_of(
+        [replace(whole, points=points, half_width=np.ones((4, 3)), visible=np.tile([0.0, 1], (4, 1)))]
+    )
+    path = stretched.follow(1, [0.25, 0.5, 0.75])
+    np.testing.assert_allclose(path[:, ::2, 0], [[10] * 4, [20] * 4, [30, 35, 40, 50]], atol=1e-4)
+    hit = stretched.query(50.0, 30.0, 6)
+    assert hit == pytest.approx((1, 0.625), abs=1e-4)
+    np.testing.assert_allclose(stretched.follow(1, 0.625, frame=6)[::2, 0], [30, 35, 40, 50], atol=1e-4)
+    with pytest.raises(InputError, match=r"stroke 2 lives on frames 0\.\.5, got 6"):
+        tracks.follow(2, 0.5, frame=6)
+
+
 def test_matrices_over_frames_are_empty_outside_lives(tracks: StrokeTracks) -> None:
     np.testing.assert_array_equal(tracks.visibility[0], [1, 1, 1, 1, 1, 1, 0, 0])
     np.testing.assert_array_equal(tracks.visibility[1], [1] * 6 + [np.nan] * 2)

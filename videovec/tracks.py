@@ -120,28 +120,34 @@ class StrokeTracks(TrackSet):
                     best = outside, shape.id, u
         return best and best[1:]
 
-    def follow(self, stroke: int, u: ArrayLike) -> Floats:
+    def follow(self, stroke: int, u: ArrayLike, frame: int | None = None) -> Floats:
         """Where material points of a stroke are on every frame, also those beyond a gap in it.
 
         >>> tracks.follow(1, 0.5)[:3].round(1).tolist()
         [[40.0, 20.0], [40.0, 20.0], [40.0, 22.0]]
+        >>> stroke, u = tracks.query(30, 22, frame=2)
+        >>> tracks.follow(stroke, u, frame=2)[[0, 2]].round(1).tolist()
+        [[30.0, 20.0], [30.0, 22.0]]
 
         Args:
             stroke: Its identity.
             u: Arc fractions. [...]
+            frame: Where they are those fractions, as of a query; if none, on the drawing on which most of the stroke is
+                seen, the first of several.
 
         Returns:
             x and y, NaN where the stroke is not alive or the point is hidden. [..., T, 2] px
 
         Raises:
-            InputError: There is no such stroke.
+            InputError: There is no such stroke, or it is not alive on that frame.
         """
-        followed = self[stroke].follow(u)
+        segment, t = self[stroke].places(u, frame)
+        followed = self[stroke].follow_places(segment, t)
         for part, whole in self.parents.items():
             if whole == stroke:
-                beyond = self[part].follow(u)
+                beyond = self[part].follow_places(segment, t)
                 followed = np.where(np.isnan(followed), beyond, followed)
-        return followed
+        return followed.reshape(*np.shape(u), self.timeline.frame_count, 2)
 
     @property
     def parents(self) -> dict[int, int]:
