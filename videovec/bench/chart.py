@@ -26,11 +26,13 @@ class Panel:
         title: What it is, with its unit.
         series: Its values by name, one for each drawing; nothing is drawn where they are not finite.
         is_log: Whether equal factors, not equal differences, are equally high.
+        shown: Values that the axis holds, whatever the series are.
     """
 
     title: str
     series: Mapping[str, Sequence[float]]
     is_log: bool = False
+    shown: tuple[float, ...] = ()
 
 
 def chart_svg(panels: Sequence[Panel]) -> str:
@@ -62,7 +64,7 @@ def chart_svg(panels: Sequence[Panel]) -> str:
 def _panel(panel: Panel, colours: Mapping[str, str]) -> Iterator[str]:
     values = {name: np.asarray(series, dtype=np.float64) for name, series in panel.series.items()}
     yield f'<text x="{_LEFT}" y="{_TOP - 8}" font-weight="bold">{escape(panel.title)}</text>'
-    every = np.concatenate([np.zeros(0), *values.values()])
+    every = np.concatenate([np.array(panel.shown, dtype=np.float64), *values.values()])
     finite = every[np.isfinite(every) & ((every > 0) | (not panel.is_log))]
     count = max((len(series) for series in values.values()), default=0)
     if not len(finite):

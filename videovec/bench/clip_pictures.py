@@ -18,7 +18,7 @@ __all__ = ["curves_svg", "picture_files", "strip"]
 Image = NDArray[np.uint8]
 
 _COLUMNS = 6  # drawings in a row
-_HEIGHT = 200  # px of a picture
+_WIDTH, _HEIGHT = 300, 200  # px of a picture, at most
 _BAND = 24  # px of the text above a row
 _ZOOM = 2  # at which strokes are drawn, before they are shown at any size
 _MARGIN = 12  # px around what is drawn
@@ -83,6 +83,7 @@ def curves_svg(results: Sequence[ClipResult]) -> str:
             Panel(
                 "share of true stroke length on its own identity",
                 {name: result.score.identity_over_time for name, result in methods.items()},
+                shown=(0.0, 1.0),
             ),
             Panel(
                 "PSNR of the drawing, dB",
@@ -117,9 +118,10 @@ class _View:
         return _View(x, y, right - x, bottom - y)
 
     def show(self, image: Image, zoom: int) -> Image:
-        """That part of a page drawn at ``zoom`` times its size, as high as a row of pictures."""
+        """That part of a page drawn at ``zoom`` times its size, as large as a row of pictures allows."""
         y, x = slice(zoom * self.y, zoom * (self.y + self.height)), slice(zoom * self.x, zoom * (self.x + self.width))
-        size = (max(1, round(_HEIGHT * self.width / self.height)), _HEIGHT)
+        scale = min(_WIDTH / self.width, _HEIGHT / self.height)
+        size = (max(1, round(scale * self.width)), max(1, round(scale * self.height)))
         return np.asarray(cv2.resize(image[y, x], size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
