@@ -16,6 +16,7 @@ from svgwrite.base import BaseElement
 from videovec.settings import ExportSettings
 from videovec.stroke_shape import hex_colour
 from videovec.tracks import StrokeTracks
+from videovec.write.heads import svg_page, svg_text
 from videovec.write.keyframes import Animated
 from videovec.write.motion import StrokeMotion, stroke_motions
 from videovec.write.svg import number, path_data
@@ -37,16 +38,12 @@ def animated_svg_text(
         motions: The strokes as moving paths, where they are known already.
     """
     base = time_base(tracks.timeline)
-    height, width = tracks.size
-    document = svgwrite.Drawing(size=(width, height), viewBox=f"0 0 {width} {height}", debug=False)
-    page = hex_colour(tracks.page)
-    if page != "#ffffff":
-        document.add(document.rect((0, 0), (width, height), id="page", fill=page, debug=False))
+    document = svg_page(tracks)
     layer = document.g(id="lines", debug=False)
     for motion in stroke_motions(tracks, base, settings) if motions is None else motions:
         layer.add(_path(motion, _Clock(base), document))
     document.add(layer)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{document.tostring()}\n'
+    return svg_text(document)
 
 
 def _spline(handles: NDArray[np.float64]) -> str:

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from videovec import __version__
 from videovec.settings import ExportSettings
-from videovec.stroke_shape import hex_colour
 from videovec.tracks import StrokeTracks
+from videovec.write.heads import lottie_document
 from videovec.write.keyframes import EVEN, Animated
 from videovec.write.motion import StrokeMotion, stroke_motions
 from videovec.write.time_base import time_base
@@ -56,27 +56,7 @@ def lottie_text(tracks: StrokeTracks, settings: ExportSettings, motions: Iterabl
     base = time_base(tracks.timeline)
     paths = stroke_motions(tracks, base, settings) if motions is None else motions
     layers = [_layer(motion, settings.lottie_decimals) for motion in paths][::-1]
-    height, width = tracks.size
-    page = hex_colour(tracks.page)
-    end = int(base.frame_ticks[-1])
-    if page != "#ffffff":
-        layers.append(_layer_head("page", 0, end) | {"ty": 1, "sw": width, "sh": height, "sc": page})
-    for index, layer in enumerate(layers, start=1):
-        layer["ind"] = index
-    document = {
-        "v": "5.7.0",
-        "nm": tracks.name,
-        "meta": {"g": f"videovec {__version__}"},
-        "fr": _compact(float(base.rate), 9),
-        "ip": 0,
-        "op": end,
-        "w": width,
-        "h": height,
-        "ddd": 0,
-        "assets": [],
-        "layers": layers,
-    }
-    return json.dumps(document, separators=(",", ":"))
+    return lottie_document(tracks, base, _compact(float(base.rate), 9), layers, [])
 
 
 def dotlottie_bytes(lottie: str) -> bytes:

@@ -19,6 +19,7 @@ from videovec.errors import ConfigError
 from videovec.stroke_shape import StrokeShape, hex_colour, shape_of_row
 from videovec.strokes import Strokes
 from videovec.tracks import StrokeTracks
+from videovec.write.heads import svg_page, svg_text
 from videovec.write.outline import outline, plan_outline
 from videovec.write.style import is_constant_width
 
@@ -103,12 +104,8 @@ def _outlines(strokes: Strokes, which: NDArray[np.bool_], drawings: NDArray[np.i
 
 def _document(sketch: _Sketch, drawing: int) -> str:
     tracks = sketch.tracks
-    height, width = tracks.size
-    document = svgwrite.Drawing(size=(width, height), viewBox=f"0 0 {width} {height}", debug=False)
+    document = svg_page(tracks)
     document.attribs["xmlns:inkscape"] = _INKSCAPE
-    page = hex_colour(tracks.page)
-    if page != "#ffffff":
-        document.add(document.rect((0, 0), (width, height), id="page", fill=page, debug=False))
     layer = document.g(id="lines", debug=False)
     layer.attribs.update({"inkscape:groupmode": "layer", "inkscape:label": "lines"})
     for row in tracks.strokes.rows_at(drawing):
@@ -116,7 +113,7 @@ def _document(sketch: _Sketch, drawing: int) -> str:
         if shape.is_visible:
             layer.add(_path(sketch, int(row), shape, document))
     document.add(layer)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{document.tostring()}\n'
+    return svg_text(document)
 
 
 def _path(sketch: _Sketch, row: int, shape: StrokeShape, document: svgwrite.Drawing) -> BaseElement:

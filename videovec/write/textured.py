@@ -8,19 +8,17 @@ from __future__ import annotations
 
 import base64
 import io
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import svgwrite
 from PIL import Image
 
-from videovec import __version__
 from videovec.brush import stroke_marks
-from videovec.stroke_shape import hex_colour, shape_of_row
+from videovec.stroke_shape import shape_of_row
 from videovec.tracks import StrokeTracks
+from videovec.write.heads import lottie_document, svg_page, svg_text
 from videovec.write.svg import path_data
 from videovec.write.time_base import time_base
 
@@ -97,11 +95,7 @@ def picture_frames(tracks: StrokeTracks) -> Iterator[str]:
 
 
 def _document(tracks: StrokeTracks, drawing: int) -> str:
-    height, width = tracks.size
-    document = svgwrite.Drawing(size=(width, height), viewBox=f"0 0 {width} {height}", debug=False)
-    page = hex_colour(tracks.page)
-    if page != "#ffffff":
-        document.add(document.rect((0, 0), (width, height), id="page", fill=page, debug=False))
+    document = svg_page(tracks)
     layer = document.g(id="lines", debug=False)
     for picture in stroke_pictures(tracks, drawing):
         stroke = document.g(id=f"stroke-{picture.id:04d}", debug=False)
@@ -111,7 +105,7 @@ def _document(tracks: StrokeTracks, drawing: int) -> str:
         stroke.add(document.path(picture.centre, fill="none", stroke="none", debug=False))
         layer.add(stroke)
     document.add(layer)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{document.tostring()}\n'
+    return svg_text(document)
 
 
 def lottie_of_pictures(tracks: StrokeTracks) -> str:
@@ -121,8 +115,6 @@ def lottie_of_pictures(tracks: StrokeTracks) -> str:
         JSON, in one line.
     """
     base = time_base(tracks.timeline)
-    height, width = tracks.size
-    end = int(base.frame_ticks[-1])
     assets: list[Json] = []
     layers: list[Json] = []
     for drawing in range(tracks.timeline.drawing_count):
@@ -133,25 +125,7 @@ def lottie_of_pictures(tracks: StrokeTracks) -> str:
             assets.append(asset | {"p": picture.uri})
             layers.append(_layer(name, begin, stop, (picture.x, picture.y)) | {"ty": 2, "refId": asset["id"]})
     layers.reverse()
-    page = hex_colour(tracks.page)
-    if page != "#ffffff":
-        layers.append(_layer("page", 0, end, (0, 0)) | {"ty": 1, "sw": width, "sh": height, "sc": page})
-    for index, layer in enumerate(layers, start=1):
-        layer["ind"] = index
-    document = {
-        "v": "5.7.0",
-        "nm": tracks.name,
-        "meta": {"g": f"videovec {__version__}"},
-        "fr": float(base.rate),
-        "ip": 0,
-        "op": end,
-        "w": width,
-        "h": height,
-        "ddd": 0,
-        "assets": assets,
-        "layers": layers,
-    }
-    return json.dumps(document, separators=(",", ":"))
+    return lottie_document(tracks, base, float(base.rate), layers, assets)
 
 
 def _layer(name: str, begin: int, end: int, place: tuple[int, int]) -> Json:
