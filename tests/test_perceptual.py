@@ -86,6 +86,8 @@ def test_the_gradient_of_a_fit_is_that_of_the_image(network: Perceptual) -> None
     value = torch.rand(len(pairs.active), generator=generator)
     target = torch.randint(0, 256, (2, side, side), generator=generator, dtype=torch.uint8)
     losses, slopes = PerceptualTerm(target).gradient(pairs, value)
+    with torch.no_grad():  # as the loop of a fit may be
+        torch.testing.assert_close(PerceptualTerm(target).gradient(pairs, value), (losses, slopes))
 
     free = value.clone().requires_grad_()
     image = 1 - torch.zeros(2 * side * side).index_put((pairs.active,), free).view(2, 1, side, side).expand(

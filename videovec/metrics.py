@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
@@ -26,8 +26,7 @@ Floats = NDArray[np.float64]
 SAMPLES = 200
 """Points on each stroke, equally far apart along it. Source: supplement A, "Chamfer Distance"."""
 _ENOUGH = 0.9  # share of a stroke's length that must be covered
-_SSIM_SIGMA, _SSIM_REACH = 1.5, 5  # Gaussian window of 11 x 11
-_SSIM_K1, _SSIM_K2 = 0.01, 0.03
+_SSIM_WINDOW = 11  # px
 
 
 def _samples(strokes: Strokes) -> Floats:
@@ -124,14 +123,6 @@ def psnr(truth: Floats, image: Floats) -> float:
     return float("inf") if error == 0.0 else float(-10.0 * np.log10(error))
 
 
-def _local_mean(image: Floats) -> Floats:
-    """Weighted mean over the window, where the window lies inside. [H-10, W-10]"""
-    inside = slice(_SSIM_REACH, -_SSIM_REACH)
-    for axis in (0, 1):
-        image = gaussian_filter1d(image, _SSIM_SIGMA, axis=axis, radius=_SSIM_REACH)
-    return np.asarray(image[inside, inside])
-
-
 def ssim(truth: Floats, image: Floats) -> float:
     """Structural similarity of two images of one channel with values in [0, 1].
 
@@ -147,12 +138,9 @@ def ssim(truth: Floats, image: Floats) -> float:
     Source:
         Wang et al. 2004, "Image quality assessment: from error visibility to structural similarity".
     """
-    if truth.ndim != 2 or truth.shape != image.shape or min(truth.shape) <= 2 * _SSIM_REACH:
+    if truth.ndim != 2 or truth.shape != image.shape or min(truth.shape) < _SSIM_WINDOW:
         raise FitError(f"ssim needs two equal images over 10 px, got {truth.shape} and {image.shape}")
-    x, y = np.asarray(truth, float), np.asarray(image, float)
-    mx, my = _local_mean(x), _local_mean(y)
-    vx, vy = _local_mean(x * x) - mx * mx, _local_mean(y * y) - my * my
-    covariance = _local_mean(x * y) - mx * my
-    c1, c2 = _SSIM_K1**2, _SSIM_K2**2
-    value = (2 * mx * my + c1) * (2 * covariance + c2) / ((mx * mx + my * my + c1) * (vx + vy + c2))
-    return float(value.mean())
+    from kornia.metrics import ssim as ssim_of_windows  # takes a second to import, which a run need not spend
+
+    one, two = (torch.from_numpy(np.array(x, np.float64))[None, None] for x in (truth, image))
+    return float(ssim_of_windows(one, two, _SSIM_WINDOW, padding="valid").mean())
