@@ -18,7 +18,20 @@ from videovec.render.numba_kernels import PARTIALS, accumulate, at_parameter, co
 from videovec.render.pairs import PairList
 from videovec.render.scene import Scene
 
-__all__ = ["Arrays", "arrays_of", "cover", "gather", "most_on_pixel", "most_pairs", "scratch_of", "slopes_of", "stack"]
+__all__ = [
+    "Arrays",
+    "arrays_of",
+    "cover",
+    "gather",
+    "most_on_pixel",
+    "most_pairs",
+    "room_for_stacks",
+    "scratch_of",
+    "see_through",
+    "slopes_of",
+    "stack",
+    "winners",
+]
 
 Array = NDArray[Any]
 
@@ -228,3 +241,54 @@ def stack(a: Arrays, pixel: int, first: int, coverage: Array, winner: Array, row
         winner[rows], row_of[rows] = best, row
         rows += 1
     return rows
+
+
+@compiled()
+def room_for_stacks(a: Arrays, begin: int, end: int) -> tuple[Array, Array, Array, Array]:
+    """Room for what `see_through` writes about any of some active pixels."""
+    most, real = most_on_pixel(a, begin, end), a.control.dtype
+    clear = np.empty(most + 1, real)
+    clear[0] = 1
+    return np.empty(most, np.int64), np.empty(most, np.int32), np.empty(most, real), clear
+
+
+@compiled(inline=True)
+def see_through(a: Arrays, pixel: int, first: int, coverage: Array, room: tuple[Array, Array, Array, Array]) -> int:
+    """`stack`, and of each row its coverage and how clear the pixel is below it, after the last one in all."""
+    winner, row_of, covered, clear = room
+    rows = stack(a, pixel, first, coverage, winner, row_of)
+    for n in range(rows):
+        covered[n] = coverage[winner[n]]
+        clear[n + 1] = clear[n] * (a.control.dtype.type(1) - a.opacity[row_of[n]] * covered[n])
+    return rows
+
+
+@compiled()
+def winners(a: Arrays, drawing: int, coverage: Array, winner: Array, row_of: Array) -> int:
+    """Of each pixel of one row: the pair that covers most, and the row; the other pair's coverage becomes zero.
+
+    Nearly all pixels are such, so that indices here are unsigned: signed ones would be wrapped around, at a cost.
+
+    Args:
+        a: Scene and pairs.
+        drawing: Which one.
+        coverage: Of each of its pairs. [n]
+        winner: Receives the pairs. uint32
+        row_of: Receives the rows. int32
+
+    Returns:
+        How many pixels there are.
+    """
+    first, begin = a.chunk_pairs[a.drawing_chunks[drawing]], a.drawing_pixels[drawing]
+    lone, count = a.plain[drawing, 0] - begin, a.plain[drawing, 1] - begin
+    at = a.start[begin]
+    order, rows = a.order[at : at + 2 * count - lone], a.order_row[at : at + 2 * count - lone]
+    for n in range(lone):
+        winner[n], row_of[n] = order[n] - first, rows[n]
+    for n in range(lone, count):
+        i = 2 * n - lone
+        one, two = np.uint32(order[i] - first), np.uint32(order[i + 1] - first)
+        is_second = coverage[two] > coverage[one]
+        winner[n], row_of[n] = two if is_second else one, rows[i]
+        coverage[one if is_second else two] = 0
+    return count

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.compiling import compiled
-from videovec.render.numba_backend import Arrays, cover, gather, most_on_pixel, most_pairs, stack
+from videovec.render.numba_backend import Arrays, cover, gather, most_pairs, room_for_stacks, see_through, winners
 
 __all__ = ["match_drawings"]
 
@@ -31,19 +31,26 @@ def match_drawings(
             control, half-width, interval and opacity, zeros before. All are written.
     """
     loss, value, grad_control, grad_half_width, grad_interval, grad_opacity = out
-    scratch = np.empty(most_pairs(a, drawings), a.control.dtype)
+    most = most_pairs(a, drawings)
+    scratch, winner, row_of = np.empty(most, a.control.dtype), np.empty(most, np.uint32), np.empty(most, np.int32)
     for drawing in range(drawings[0], drawings[1]):
         first, last = a.chunk_pairs[a.drawing_chunks[drawing]], a.chunk_pairs[a.drawing_chunks[drawing + 1]]
-        pairs = scratch[: last - first]
+        pairs, wanted = scratch[: last - first], (target, extra)
         cover(a, scale, drawing, pairs)
-        plain = _match_plain(a, drawing, pairs, (target, extra), grad_opacity, value)
-        loss[drawing] = plain + _match_stacks(a, drawing, pairs, (target, extra), grad_opacity, value)
+        count = winners(a, drawing, pairs, winner, row_of)
+        plain = _match_plain(a, drawing, pairs, (winner[:count], row_of[:count]), wanted, (grad_opacity, value))
+        loss[drawing] = plain + _match_stacks(a, drawing, pairs, wanted, grad_opacity, value)
         gather(a, scale, drawing, pairs, (grad_control, grad_half_width, grad_interval))
 
 
 @compiled()
 def _match_plain(
-    a: Arrays, drawing: int, pairs: Array, wanted: tuple[Array, Array], grad_opacity: Array, value: Array
+    a: Arrays,
+    drawing: int,
+    pairs: Array,
+    seen: tuple[Array, Array],
+    wanted: tuple[Array, Array],
+    out: tuple[Array, Array],
 ) -> float:
     """Second pass where a pixel has one row, of one or two pairs: nearly everywhere, and always the same to do.
 
@@ -51,41 +58,37 @@ def _match_plain(
         a: Scene and pairs.
         drawing: Which one.
         pairs: Coverage of each pair; gives way to the derivative of the loss by it. [n]
+        seen: Pair and row of each pixel, from `winners`.
         wanted: As ``target`` and ``extra`` of `match_drawings`.
-        grad_opacity: Gradient of the rows' opacity, added to. [R]
-        value: Of each active pixel, written. [A]
+        out: Gradient of the rows' opacity, added to [R]; value of each active pixel, written [A].
 
     Returns:
         Sum of squared residuals.
     """
-    real, (target, extra) = a.control.dtype.type, wanted
-    first, lone = a.chunk_pairs[a.drawing_chunks[drawing]], a.plain[drawing, 0]
+    real, (target, extra), (winner, row_of), (grad_opacity, value) = a.control.dtype.type, wanted, seen, out
+    begin = a.drawing_pixels[drawing]
     one, full, zero = real(1), real(1 / 255), real(0)
+    active, value = a.active[begin : begin + len(winner)], value[begin : begin + len(winner)]
     has_extra = len(extra) > 0
-    total, last, grad = 0.0, -1, zero
-    for pixel in range(a.drawing_pixels[drawing], a.plain[drawing, 1]):
-        at = a.start[pixel]
-        row, win = a.order_row[at], a.order[at] - first
-        if pixel >= lone:
-            other = a.order[at + 1] - first
-            is_second = pairs[other] > pairs[win]
-            win, other = (other, win) if is_second else (win, other)
-            pairs[other] = zero
-        opacity, covered = a.opacity[row], pairs[win]
-        drawn = opacity * covered
-        residual = drawn - real(target[a.active[pixel]]) * full
-        total += residual * residual
-        slope = residual + residual + (extra[pixel] if has_extra else zero)
-        value[pixel] = drawn
-        pairs[win] = slope * opacity if (covered > zero) & (covered < one) else zero
+    total, of_row, last, grad, opacity = 0.0, zero, np.int32(-1), zero, one
+    for n in range(len(winner)):
+        pair, row = winner[n], row_of[n]
         if row != last:
             if last >= 0:
                 grad_opacity[last] += grad
-            last, grad = row, zero
+            total += of_row
+            last, grad, of_row, opacity = row, zero, zero, a.opacity[row]
+        covered = pairs[pair]
+        drawn = opacity * covered
+        residual = drawn - real(target[np.uint64(active[n])]) * full
+        of_row += residual * residual
+        slope = residual + residual + (extra[begin + n] if has_extra else zero)
+        value[n] = drawn
+        pairs[pair] = slope * opacity if (covered > zero) & (covered < one) else zero
         grad += slope * covered
     if last >= 0:
         grad_opacity[last] += grad
-    return total
+    return total + of_row
 
 
 @compiled()
@@ -95,16 +98,12 @@ def _match_stacks(
     """`_match_plain` for the other pixels, where rows may lie above each other."""
     real, (target, extra) = a.control.dtype.type, wanted
     first, begin, end = a.chunk_pairs[a.drawing_chunks[drawing]], a.plain[drawing, 1], a.drawing_pixels[drawing + 1]
-    most = most_on_pixel(a, begin, end)
-    winner, row_of = np.empty(most, np.int64), np.empty(most, np.int32)
-    covered, clear = np.empty(most, a.control.dtype), np.empty(most + 1, a.control.dtype)
-    clear[0], one, full = real(1), real(1), real(1 / 255)
+    room = room_for_stacks(a, begin, end)
+    winner, row_of, covered, clear = room
+    one, full = real(1), real(1 / 255)
     total = 0.0
     for pixel in range(begin, end):
-        rows = stack(a, pixel, first, pairs, winner, row_of)
-        for n in range(rows):
-            covered[n] = pairs[winner[n]]
-            clear[n + 1] = clear[n] * (one - a.opacity[row_of[n]] * covered[n])
+        rows = see_through(a, pixel, first, pairs, room)
         value[pixel] = one - clear[rows]
         residual = value[pixel] - real(target[a.active[pixel]]) * full
         total += residual * residual

@@ -13,7 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.compiling import compiled
-from videovec.render.numba_backend import Arrays, cover, most_on_pixel, most_pairs, scratch_of, slopes_of, stack
+from videovec.render.numba_backend import (
+    Arrays,
+    cover,
+    most_pairs,
+    room_for_stacks,
+    scratch_of,
+    see_through,
+    slopes_of,
+    winners,
+)
 
 __all__ = ["UNKNOWNS", "normal_drawings"]
 
@@ -38,12 +47,15 @@ def normal_drawings(
             [G, UNKNOWNS, UNKNOWNS] by each segment's unknowns, zeros before.
     """
     loss, gradient, matrix = out
-    room = np.empty((2, most_pairs(a, drawings)), a.control.dtype)
+    most = most_pairs(a, drawings)
+    room, winner, row_of = np.empty((2, most), a.control.dtype), np.empty(most, np.uint32), np.empty(most, np.int32)
     for drawing in range(drawings[0], drawings[1]):
         first, last = a.chunk_pairs[a.drawing_chunks[drawing]], a.chunk_pairs[a.drawing_chunks[drawing + 1]]
         sway, residual = room[0, : last - first], room[1, : last - first]
         cover(a, scale, drawing, sway)
-        loss[drawing] = _residuals(a, drawing, target, sway, residual)
+        count = winners(a, drawing, sway, winner, row_of)
+        plain = _plain_residuals(a, drawing, target, (winner[:count], row_of[:count]), sway, residual)
+        loss[drawing] = plain + _residuals(a, drawing, target, sway, residual)
         place, scratch = scratch_of(a, drawing)
         rows = np.empty((UNKNOWNS, scratch.shape[1]), a.control.dtype)
         for chunk in range(a.drawing_chunks[drawing], a.drawing_chunks[drawing + 1]):
@@ -56,24 +68,52 @@ def normal_drawings(
 
 
 @compiled()
+def _plain_residuals(
+    a: Arrays, drawing: int, target: Array, seen: tuple[Array, Array], sway: Array, residual: Array
+) -> float:
+    """`_residuals` of pixels with one row, whose pairs and rows `winners` has found."""
+    real, (winner, row_of) = a.control.dtype.type, seen
+    begin = a.drawing_pixels[drawing]
+    active = a.active[begin : begin + len(winner)]
+    one, full, zero = real(1), real(1 / 255), real(0)
+    total, of_row, last, opacity = 0.0, zero, np.int32(-1), one
+    for n in range(len(winner)):
+        pair, row = winner[n], row_of[n]
+        if row != last:
+            total += of_row
+            last, of_row, opacity = row, zero, a.opacity[row]
+        covered = sway[pair]
+        error = opacity * covered - real(target[np.uint64(active[n])]) * full
+        of_row += error * error
+        residual[pair] = error
+        sway[pair] = opacity if (covered > zero) & (covered < one) else zero
+    return total + of_row
+
+
+@compiled()
 def _residuals(a: Arrays, drawing: int, target: Array, sway: Array, residual: Array) -> float:
-    """Composite: coverage of each pair gives way to the derivative of its pixel's value by it; the pixel's residual."""
+    """Composite where rows may lie above each other.
+
+    The coverage of each pair gives way to the derivative of its pixel's value by it.
+
+    Args:
+        a: Scene and pairs.
+        drawing: Which one.
+        target: As of `normal_drawings`.
+        sway: Coverage of each pair; gives way to the derivatives. [n]
+        residual: Receives that of the pixel of each pair that has one. [n]
+
+    Returns:
+        Sum of squared residuals.
+    """
     real = a.control.dtype.type
-    first, begin, end = (
-        a.chunk_pairs[a.drawing_chunks[drawing]],
-        a.drawing_pixels[drawing],
-        a.drawing_pixels[drawing + 1],
-    )
-    most = most_on_pixel(a, begin, end)
-    winner, row_of = np.empty(most, np.int64), np.empty(most, np.int32)
-    covered, clear = np.empty(most, a.control.dtype), np.empty(most + 1, a.control.dtype)
-    clear[0], one, full = real(1), real(1), real(1 / 255)
+    first, begin, end = a.chunk_pairs[a.drawing_chunks[drawing]], a.plain[drawing, 1], a.drawing_pixels[drawing + 1]
+    room = room_for_stacks(a, begin, end)
+    winner, row_of, covered, clear = room
+    one, full = real(1), real(1 / 255)
     total = 0.0
     for pixel in range(begin, end):
-        rows = stack(a, pixel, first, sway, winner, row_of)
-        for n in range(rows):
-            covered[n] = sway[winner[n]]
-            clear[n + 1] = clear[n] * (one - a.opacity[row_of[n]] * covered[n])
+        rows = see_through(a, pixel, first, sway, room)
         error = one - clear[rows] - real(target[a.active[pixel]]) * full
         total += error * error
         for at in range(a.start[pixel], a.start[pixel + 1]):
