@@ -110,7 +110,7 @@ def line_mask(coverage: Coverage, noise: float) -> LineMask:
     scale = 4 if is_thin else _enlargement(coverage, level)
     source = cv2.GaussianBlur(coverage, (0, 0), 0.5) if is_thin else coverage
     size = (coverage.shape[1] * scale, coverage.shape[0] * scale)
-    large = cv2.resize(source, size, interpolation=cv2.INTER_CUBIC) if scale > 1 else source
+    large = np.asarray(cv2.resize(source, size, interpolation=cv2.INTER_CUBIC) if scale > 1 else source, np.float32)
     is_line = large > level
     if is_thin:
         is_line = _without_valleys(is_line, large, scale, _VALLEY * peak + _GRAIN * noise)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from heapq import heapify, heappop, heappush
 from itertools import combinations
 
 import numpy as np
@@ -82,66 +83,88 @@ def _sharpen_corners(graph: Graph, widths: Widths) -> None:
                 break
 
 
+def _spurs(graph: Graph, widths: Widths, node: int) -> list[tuple[float, int, int]]:
+    """Branches at a node that hardly leave the ink of the line that they grow on: length, number and node."""
+    if graph.degree(node) < 3:
+        return []
+    width = widths.at(graph, node)
+    reach = max(graph.radius[node], 0.5 * width) + _SPUR * width
+    leaves = _leaves(graph, node)
+    return [(graph.branches[leaf].length, leaf, node) for leaf in leaves if graph.branches[leaf].length < reach]
+
+
 def _drop_spurs(graph: Graph, widths: Widths) -> None:
-    """Drop branches that hardly leave the ink of the line that they grow on, the shortest first."""
-    while True:
-        found = []
-        for node in graph.nodes():
-            if graph.degree(node) < 3:
-                continue
-            width = widths.at(graph, node)
-            reach = max(graph.radius[node], 0.5 * width) + _SPUR * width
-            found += [
-                (graph.branches[leaf].length, leaf, node)
-                for leaf in _leaves(graph, node)
-                if graph.branches[leaf].length < reach
-            ]
-        if not found:
-            return
-        _, leaf, node = min(found)
+    """Drop spurs, the shortest first; what is left of a node is looked at again."""
+    found = [spur for node in graph.nodes() for spur in _spurs(graph, widths, node)]
+    heapify(found)
+    while found:
+        spur = heappop(found)
+        _, leaf, node = spur
+        if leaf not in graph.branches or spur not in _spurs(graph, widths, node):
+            continue
         graph.remove(leaf)
-        if graph.degree(node) == 2:
-            graph.dissolve(node)
+        for near in _settled(graph, node):
+            for again in _spurs(graph, widths, near):
+                heappush(found, again)
+
+
+def _settled(graph: Graph, node: int) -> tuple[int, ...]:
+    """Join what is left at a node if it is two branches; the nodes of which a branch or the degree has changed."""
+    if graph.degree(node) != 2:
+        return (node,)
+    around = tuple(graph.outward(*end).stop for end in graph.ends_at(node))
+    graph.dissolve(node)
+    return around
+
+
+def _bridge(graph: Graph, widths: Widths, number: int) -> tuple[float, int] | None:
+    """Length and number of a branch between two junctions that are one, or of a small loop at one; none of others."""
+    branch = graph.branches[number]
+    if min(graph.degree(branch.start), graph.degree(branch.stop)) < 3:
+        return None
+    width = max(widths.at(graph, branch.start), widths.at(graph, branch.stop))
+    limit = 2.0 * _CLUSTER * width if branch.start == branch.stop else _CLUSTER * width
+    return (branch.length, number) if branch.length < limit else None
 
 
 def _join_clusters(graph: Graph, widths: Widths) -> None:
     """Make one node of junctions that lie closer than a line is wide, and drop the small loops between them."""
-    while True:
-        found = []
-        for number, branch in graph.branches.items():
-            if min(graph.degree(branch.start), graph.degree(branch.stop)) < 3:
-                continue
-            width = max(widths.at(graph, branch.start), widths.at(graph, branch.stop))
-            limit = 2.0 * _CLUSTER * width if branch.start == branch.stop else _CLUSTER * width
-            if branch.length < limit:
-                found.append((branch.length, number))
-        if not found:
-            return
-        _, number = min(found)
-        node = graph.contract(number)
-        if graph.degree(node) == 2:
-            graph.dissolve(node)
+    found = [bridge for number in graph.branches if (bridge := _bridge(graph, widths, number))]
+    heapify(found)
+    while found:
+        bridge = heappop(found)
+        if bridge[1] not in graph.branches or bridge != _bridge(graph, widths, bridge[1]):
+            continue
+        for node in _settled(graph, graph.contract(bridge[1])):
+            for number in {end[0] for end in graph.ends_at(node)}:
+                if again := _bridge(graph, widths, number):
+                    heappush(found, again)
 
 
 def _drop_twins(graph: Graph, widths: Widths) -> None:
     """Drop one of two branches between the same junctions that never part by more than their width."""
-    for one, two in combinations(sorted(graph.branches), 2):
-        if one not in graph.branches or two not in graph.branches:
-            continue
-        a, b = graph.branches[one], graph.branches[two]
-        if {a.start, a.stop} != {b.start, b.stop} or a.start == a.stop:
-            continue
-        width = min(widths.at(graph, a.start), widths.at(graph, a.stop))
-        if max(a.length, b.length) > 4.0 * width:
-            continue
-        gap = np.linalg.norm(a.line[:, None] - b.line[None], axis=2).min(axis=1).max()
-        if gap < 0.8 * width:
-            longer = one if a.length > b.length else two
-            ends = graph.branches[longer].start, graph.branches[longer].stop
-            graph.remove(longer)
-            for node in ends:
-                if graph.degree(node) == 2:
-                    graph.dissolve(node)
+    between: dict[frozenset[int], list[int]] = {}
+    for number, branch in sorted(graph.branches.items()):
+        if branch.start != branch.stop:
+            between.setdefault(frozenset((branch.start, branch.stop)), []).append(number)
+    for ends, numbers in between.items():
+        for one, two in combinations(numbers, 2):
+            if one in graph.branches and two in graph.branches and _are_twins(graph, widths, one, two):
+                graph.remove(one if graph.branches[one].length > graph.branches[two].length else two)
+                for node in ends:
+                    _settled(graph, node)
+
+
+def _are_twins(graph: Graph, widths: Widths, one: int, two: int) -> bool:
+    """Whether two branches between the same nodes are one line that a pinhole splits."""
+    a, b = graph.branches[one], graph.branches[two]
+    if {a.start, a.stop} != {b.start, b.stop}:
+        return False
+    width = min(widths.at(graph, a.start), widths.at(graph, a.stop))
+    if max(a.length, b.length) > 4.0 * width:
+        return False
+    gap = np.linalg.norm(a.line[:, None] - b.line[None], axis=2).min(axis=1).max()
+    return bool(gap < 0.8 * width)
 
 
 def clean(graph: Graph, widths: Widths) -> None:
