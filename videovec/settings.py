@@ -86,7 +86,7 @@ class PropagateSettings:
     """Optimiser updates on every drawing after strokes were matched."""
     refine_rigidity: Annotated[float, Between(0)] = 0.5
     """How much strokes keep their shape meanwhile, against the sum of squared coverage errors."""
-    patience: Annotated[int, Between(1)] = 12
+    patience: Annotated[int, Between(1)] = 24
     """For how many drawings new ink may grow before it becomes a stroke."""
 
 

@@ -14,7 +14,7 @@ from videovec.propagate.record import Life, open_lives
 from videovec.propagate.relink import relink
 from videovec.propagate.residual import Patch, Residual, restricted, successor
 from videovec.propagate.step import Follower, carry, follow
-from videovec.propagate.target import distance_to, sample
+from videovec.propagate.target import Target, distance_to, sample
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
 
@@ -25,8 +25,8 @@ Trace = Callable[[Ink, int], Strokes]
 
 _LEAST = 10.0
 """Length, with the width of its ends, of the smallest patch that may become a stroke. working px"""
-_GROWTH = 1.08
-"""A patch that is longer by this factor than on the drawing before still grows."""
+_GROWTH = 3
+"""A patch that is longer by more than this than on the drawing before still grows. working px"""
 _BESIDE = 2.0
 """How far from unexplained centre lines, beyond its half-width, a new stroke may lie. working px"""
 _FLASH = 6.0
@@ -78,7 +78,7 @@ class Nursery:
             ancestors = [seed for seed in self._seeds if patch in heirs[id(seed)]]
             since = min((seed.since for seed in ancestors), key=lambda d: d * self._direction, default=drawing)
             length = sum(seed.patch.length for seed in ancestors)
-            has_grown = patch.length > _GROWTH * length + 2
+            has_grown = patch.length > length + _GROWTH
             age = (drawing - since) * self._direction
             if is_last or (age > 0 and not has_grown) or age >= self._settings.patience:
                 born += self._deliver([patch], drawing, since, followers)
@@ -98,7 +98,8 @@ class Nursery:
         before = drawing - self._direction
         lives = self._deliver([seed.patch], before, seed.since, [])
         ahead = [follow(life, before, self._spacing(before)) for life in lives]
-        seen = self._step(ahead, before, drawing)
+        everything = [list(self._residuals[d].patches) for d in (before, drawing)]
+        seen = self._step(ahead, (before, drawing), (everything[0], everything[1]))
         label, scale = self._residuals[drawing].label, self._residuals[drawing].target.scale
         taken: set[int] = set()
         for follower in seen:
@@ -124,8 +125,17 @@ class Nursery:
         for earlier in range(drawing - self._direction, since - self._direction, -self._direction):
             if not back or earlier not in self._residuals:
                 break
-            back = self._step(back, earlier + self._direction, earlier, grows=True)
+            later = earlier + self._direction
+            came_from = self._ancestors(patches, later, earlier)
+            back = self._step(back, (later, earlier), (patches, came_from), grows=True)
+            patches = came_from
         return lives
+
+    def _ancestors(self, patches: list[Patch], later: int, earlier: int) -> list[Patch]:
+        """The patches of an earlier drawing that some patches may have come from; all, if there are none such."""
+        then, now = self._residuals[earlier], self._residuals[later]
+        found = {one.number: one for patch in patches for one in successor(patch, now, then)}
+        return list(found.values()) or list(then.patches)
 
     def _is_new(self, life: Life, drawing: int) -> bool:
         """Whether a traced stroke lies on unexplained ink, and not on what was cut out beside it or crosses it."""
@@ -142,19 +152,32 @@ class Nursery:
         gap = sample(distance_to(left)[0], sample_by_arc(points, count))
         return bool(np.mean(gap <= _BESIDE + half_width) >= 0.5)
 
-    def _step(self, followers: list[Follower], before: int, after: int, grows: bool = False) -> list[Follower]:
-        """Take newborn lives to a neighbouring drawing, over unexplained ink alone; those that are seen there."""
-        targets = [restricted(self._residuals[d].target, self._residuals[d].point) for d in (before, after)]
-        coverage = self._ink_of(after, [patch.number for patch in self._residuals[after].patches]).coverage[0]
-        carry(followers, coverage, (before, after), (targets[0], targets[1]), self._settings, grows=grows)
+    def _step(
+        self,
+        followers: list[Follower],
+        step: tuple[int, int],
+        patches: tuple[list[Patch], list[Patch]],
+        grows: bool = False,
+    ) -> list[Follower]:
+        """Take newborn lives to a neighbouring drawing, over some patches of both; those that are seen there."""
+        numbers = [[patch.number for patch in own] for own in patches]
+        before, after = (self._only(d, own) for d, own in zip(step, numbers, strict=True))
+        coverage = self._ink_of(step[1], numbers[1]).coverage[0]
+        carry(followers, coverage, step, (before, after), self._settings, grows=grows)
         seen = []
         for follower in followers:
-            visible = follower.life.rows[after].visible
+            visible = follower.life.rows[step[1]].visible
             if visible[1] > visible[0]:
                 seen.append(follower)
             else:
-                del follower.life.rows[after]
+                del follower.life.rows[step[1]]
         return seen
+
+    def _only(self, drawing: int, numbers: list[int]) -> Target:
+        """The centre lines of some patches alone."""
+        residual = self._residuals[drawing]
+        rows, columns = np.nonzero(residual.target.skeleton)
+        return restricted(residual.target, residual.point & np.isin(residual.label[rows, columns], numbers))
 
     def _ink_of(self, drawing: int, numbers: list[int]) -> Ink:
         """The ink of some patches alone."""

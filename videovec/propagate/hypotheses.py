@@ -69,7 +69,13 @@ def place(source: Source, target: Target, before: Target, velocity: Floats) -> t
 
 
 def place_growing(source: Source, target: Target, before: Target, velocity: Floats) -> tuple[Source, Floats]:
-    """As `place`, for strokes of which less may be drawn: if they explain all ink where they are, they stay there."""
+    """As `place`, for strokes of which less may be drawn: if they explain all ink where they are, they stay there.
+
+    Exactly there, if that explains it as well as a registration that lets them move: what is drawn of a line would pull
+    the rest of it along.
+    """
+    if len(target) and judge(source, target, source.rest).ink_far.mean() <= _ACCEPT:
+        return source, source.rest
     near = target.distance_at(source.rest) <= _TOUCH
     positions = register(replace(source, weight=near.astype(float)), target, source.rest, (FINE,))
     if len(target) and judge(source, target, positions).ink_far.mean() <= 2 * _ACCEPT:

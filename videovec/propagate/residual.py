@@ -27,6 +27,8 @@ _ACROSS = 8.0
 """Gap over which patches are joined where a line crosses them, beyond twice its width. px"""
 _STRAIGHT = 0.85
 """Cosine of the largest turn at such a gap."""
+_STAYED = 1
+"""Distance within which a patch is still where it was. px"""
 _DRIFT = 9
 """Distance by which a patch may move between two drawings. px"""
 
@@ -141,11 +143,14 @@ def _disc(radius: int) -> NDArray[np.uint8]:
 
 
 def successor(patch: Patch, residual: Residual, later: Residual) -> list[Patch]:
-    """The patches of a later drawing that a patch may have become."""
+    """The patches of a later drawing that a patch may have become: those where it is, else those near it."""
     mask = (residual.label == patch.number).astype(np.uint8)
-    near = cv2.dilate(mask, np.ones((2 * _DRIFT + 1, 2 * _DRIFT + 1), np.uint8)) > 0
-    numbers = set(np.unique(later.label[near]).tolist())
-    return [candidate for candidate in later.patches if candidate.number in numbers]
+    for reach in (_STAYED, _DRIFT):
+        near = cv2.dilate(mask, np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)) > 0
+        numbers = set(np.unique(later.label[near]).tolist()) - {0}
+        if numbers:
+            return [candidate for candidate in later.patches if candidate.number in numbers]
+    return []
 
 
 def restricted(target: Target, point: Bools) -> Target:

@@ -14,7 +14,7 @@ from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
 from videovec.propagate.registration import SETTLE, SIMILAR, Source, recall, register, source_of
 from videovec.propagate.split import split_at_gaps
-from videovec.propagate.support import Support, find_support
+from videovec.propagate.support import SEEN, Support, find_support
 from videovec.propagate.target import Target
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
@@ -91,19 +91,24 @@ def carry(
     rows = [follower.life.rows[before] for follower in followers]
     points = np.concatenate([np.zeros((0, 2)), *(row.points for row in rows)])
     shape = np.concatenate([np.zeros((0, 2)), *(follower.shape for follower in followers)])
-    source = recall(source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows)), scale * shape)
+    here = source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows))
+    source = here if grows else recall(here, scale * shape)
     velocity = np.concatenate([np.zeros((0, 2)), *(follower.velocity for follower in followers)])
     find = place_growing if grows else place
     loose, positions = find(source, targets[1], targets[0], velocity)
     half_width = scale * np.array([follower.half_width(before) for follower in followers])
     most_seen = np.array([follower.life.most_seen for follower in followers]).reshape(-1, 2)
-    support = find_support(nodes, positions, half_width, targets[1], most_seen)
+    least = 0.0 if grows else SEEN
+    support = find_support(nodes, positions, half_width, targets[1], most_seen, least)
     hold = predict_hidden([f.life for f in followers], nodes, positions, support, (before, after, scale))
-    positions = _settle(loose, targets[1], positions, support, hold)
-    support = find_support(nodes, positions, half_width, targets[1], most_seen)
+    is_still = grows and positions is source.rest
+    if not is_still:
+        positions = _settle(loose, targets[1], positions, support, hold)
+        support = find_support(nodes, positions, half_width, targets[1], most_seen, least)
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
     rest = nodes.moved(points, source.rest / scale)
-    strokes = _refined(strokes, rest, coverage, settings)
+    if not is_still:
+        strokes = _refined(strokes, rest, coverage, settings)
     positions = scale * nodes.positions(strokes.points[: len(points)])
     for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))

@@ -15,7 +15,7 @@ from videovec.propagate.record import Interval
 from videovec.propagate.registration import doubled
 from videovec.propagate.target import Target, sample
 
-__all__ = ["Support", "find_support"]
+__all__ = ["SEEN", "Support", "find_support"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -32,7 +32,7 @@ _RUN = 3
 """Nodes of the shortest run that is seen."""
 _WHOLE = 0.8
 """Share of a closed stroke that must lie on ink for it to be seen whole."""
-_SEEN = 0.2
+SEEN = 0.2
 """Share of a stroke that must be seen for it to be there."""
 
 
@@ -67,7 +67,12 @@ class Support:
 
 
 def find_support(
-    nodes: Nodes, positions: Floats, half_width: Floats, target: Target, most_seen: Floats | None = None
+    nodes: Nodes,
+    positions: Floats,
+    half_width: Floats,
+    target: Target,
+    most_seen: Floats | None = None,
+    least: float = SEEN,
 ) -> Support:
     """Look for the ink of every stroke.
 
@@ -80,6 +85,7 @@ def find_support(
         half_width: Half-width of each stroke. [S] working px
         target: The drawing's ink.
         most_seen: The most that was ever seen of each stroke, as arc fractions; all of it unless told. [S, 2]
+        least: Share of a stroke that must lie on ink for it to be there.
 
     Returns:
         The support of each node and the seen parts of each stroke.
@@ -97,7 +103,7 @@ def find_support(
     for s, basis in enumerate(nodes.bases):
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
         share[s] = supported[own].mean()
-        main = _interval(supported[own], basis.is_closed)
+        main = _interval(supported[own], basis.is_closed, least)
         if claimed[own][main[0] : main[1] + 1].sum() < _OWN * (main[1] + 1 - main[0]):
             main = 0, -1
         width = 2.0 * float(half_width[s]) / _spacing(positions[own])
@@ -144,7 +150,7 @@ def _spread(chosen: Bools, nodes: Nodes) -> Bools:
     return chosen
 
 
-def _interval(supported: Bools, is_closed: bool) -> tuple[int, int]:
+def _interval(supported: Bools, is_closed: bool, least: float) -> tuple[int, int]:
     """First and last seen node of a stroke: the interval that is wrong at the fewest nodes.
 
     Of a closed stroke, what is seen does not go through its beginning.
@@ -154,7 +160,7 @@ def _interval(supported: Bools, is_closed: bool) -> tuple[int, int]:
     begins, ends = edges[::2], edges[1::2]
     long = ends - begins >= min(_RUN, count)
     begins, ends = begins[long], ends[long]
-    if not len(begins) or supported.mean() < _SEEN:
+    if not len(begins) or supported.mean() < least:
         return 0, -1
     if is_closed and supported.mean() >= _WHOLE:
         return 0, count - 1

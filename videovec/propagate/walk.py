@@ -12,6 +12,7 @@ from videovec.events import Event
 from videovec.ink import Ink
 from videovec.progress import Progress, Silent
 from videovec.propagate.births import Nursery, Trace
+from videovec.propagate.grown import join_grown
 from videovec.propagate.happenings import events_of
 from videovec.propagate.record import Life, bind, open_lives
 from videovec.propagate.residual import Residual, find_residual
@@ -28,6 +29,8 @@ __all__ = ["Propagated", "walk"]
 
 _CUT = 0.5
 """Mean of the shares of ink without strokes and of strokes without ink from which on a new shot has begun."""
+_LOST = 0.2
+"""Share of strokes that must be without ink then: a drawing that only gains ink is the same shot."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,6 +61,7 @@ def walk(
     book = _Book(lives, [], max((life.id for life in lives), default=0) + 1)
     for direction in (1, -1):
         _Walk(ink, settings, trace, direction, book).run(seed, progress)
+    book.lives = join_grown(book.lives)
     for life in book.lives:
         move_seam(life)
     bound, confidence = bind(split_at_gaps(sorted(book.lives, key=lambda life: life.id), book.next_id))
@@ -150,7 +154,7 @@ def _is_cut(placed: Placement, residual: Residual) -> bool:
     if not count or not len(residual.point):
         return False
     lost = 1.0 - placed.support.shown.mean()
-    return bool(0.5 * (residual.point.mean() + lost) > _CUT)
+    return bool(0.5 * (residual.point.mean() + lost) > _CUT and lost > _LOST)
 
 
 def _trim(life: Life, direction: int) -> None:

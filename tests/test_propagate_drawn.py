@@ -1,0 +1,104 @@
+"""Lines that are drawn on, erased away and revealed from their middle stay one stroke each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from videovec.curves import sample_by_arc
+from videovec.events import EventKind
+from videovec.initialise import initialise
+from videovec.ink import Ink
+from videovec.propagate import propagate
+from videovec.settings import InitialiseSettings, PropagateSettings
+from videovec.strokes import Strokes
+
+Floats = NDArray[np.float64]
+Drawn = Callable[[int], tuple[float, float]]
+
+SIZE, WIDTH, COUNT = 200, 6.0, 13
+
+
+def line(number: int, u: Floats) -> Floats:
+    """Three bent lines, one of them with a corner, at fractions of their courses. [N, 2]"""
+    if number == 0:
+        return np.stack([20 + 150 * u, 40 + 22 * np.sin(3.0 * u)], axis=-1)
+    if number == 1:
+        return np.stack([40 + 55 * np.cos(3 * u - 1.2), 120 + 55 * np.sin(3 * u - 1.2)], axis=-1)
+    x = 105 + 70 * u
+    return np.stack([x, 110 + np.abs(x - 135) * 1.2], axis=-1)
+
+
+def draw(parts: list[tuple[int, float, float]]) -> NDArray[np.uint8]:
+    """Coverage of parts of lines, by supersampling."""
+    scale = 4
+    image = np.zeros((SIZE * scale, SIZE * scale), np.uint8)
+    for number, begin, end in parts:
+        if end > begin:
+            at = np.round((line(number, np.linspace(begin, end, 120)) * scale - 0.5) * 16).astype(np.int32)
+            cv2.polylines(image, [at], False, 255, round(WIDTH * scale), cv2.LINE_AA, 4)
+    return np.asarray(cv2.resize(image, (SIZE, SIZE), interpolation=cv2.INTER_AREA), np.uint8)
+
+
+def eased(t: float) -> float:
+    """Slow at both ends, as animators draw lines on."""
+    return float(np.clip(t, 0, 1) ** 2 * (3 - 2 * np.clip(t, 0, 1)))
+
+
+def drawn_on(t: int) -> tuple[float, float]:
+    return 0.0, eased(t / (COUNT - 1))
+
+
+def erased(t: int) -> tuple[float, float]:
+    return 0.0, 1.0 - 0.7 * eased(t / (COUNT - 1))
+
+
+def from_the_middle(t: int) -> tuple[float, float]:
+    return 0.5 - 0.5 * eased(t / (COUNT - 1)), 0.5 + 0.5 * eased(t / (COUNT - 1))
+
+
+def share_of_one(strokes: Strokes, drawing: int, number: int, part: tuple[float, float]) -> dict[int, float]:
+    """How much of a seen line, in px, lies nearest to the seen part of each stroke, and at most 3 px from it."""
+    points = line(number, np.linspace(*part, 60))
+    seen = []
+    for row in strokes.rows_at(drawing).tolist():
+        begin, end = strokes.visible[row]
+        if end > begin:
+            dense = sample_by_arc(strokes.points_of(row), 401)[round(400 * begin) : round(400 * end) + 1]
+            gap = np.linalg.norm(points[:, None] - dense, axis=2).min(1)
+            seen.append((int(strokes.ids[strokes.layout.row_stroke[row]]), gap))
+    if not seen:
+        return {}
+    nearest = np.argmin([gap for _, gap in seen], axis=0)
+    length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()) / len(points)
+    return {identity: length * float(np.sum((nearest == k) & (gap <= 3.0))) for k, (identity, gap) in enumerate(seen)}
+
+
+def identity_score(strokes: Strokes, shown: Drawn) -> float:
+    """Share of all seen ink that carries the identity that its line carries most. In [0, 1]"""
+    kept = total = 0.0
+    for number in range(3):
+        of_line: dict[int, float] = {}
+        for drawing in range(COUNT):
+            part = shown(drawing)
+            for identity, length in share_of_one(strokes, drawing, number, part).items():
+                of_line[identity] = of_line.get(identity, 0.0) + length
+            total += float(np.linalg.norm(np.diff(line(number, np.linspace(*part, 60)), axis=0), axis=1).sum())
+        kept += max(of_line.values(), default=0.0)
+    return kept / total
+
+
+@pytest.mark.parametrize(("shown", "patience"), [(drawn_on, 24), (drawn_on, 5), (erased, 24), (from_the_middle, 24)])
+def test_three_lines_stay_three_strokes(shown: Drawn, patience: int) -> None:
+    coverage = np.stack([draw([(number, *shown(t)) for number in range(3)]) for t in range(COUNT)])
+    ink = Ink(coverage, np.zeros_like(coverage), np.zeros((1, 3)), np.ones(3), 0.0)
+    trace = partial(initialise, settings=InitialiseSettings())
+    result = propagate(ink, trace(ink, 0), PropagateSettings(refine_steps=12, patience=patience), trace)
+    assert len(result.strokes) == 3
+    assert EventKind.CUT not in [event.kind for event in result.events]
+    assert identity_score(result.strokes, shown) > 0.95
