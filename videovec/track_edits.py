@@ -99,7 +99,9 @@ def reverse(tracks: Tracks, stroke: int) -> Tracks:
     """Run a stroke the other way; see ``StrokeTracks.reverse``."""
     whole = int(tracks.strokes.parent[tracks.position(stroke)]) or stroke
     together = [track for track in tracks if whole in (track.id, track.stroke.parent)]  # parts share arc fractions
-    turned = {track.id: [replace(track, stroke=track.stroke.reversed())] for track in together}
+    turned: dict[int, Sequence[StrokeTrack]] = {
+        track.id: [replace(track, stroke=track.stroke.reversed())] for track in together
+    }
     edited = _with(tracks, turned)
     return replace(edited, strokes=replace(edited.strokes, parent=tracks.strokes.parent))
 
