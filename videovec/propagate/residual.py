@@ -99,7 +99,8 @@ def find_residual(nodes: Nodes, positions: Floats, seen: Floats, half_width: Flo
     image = np.zeros(target.skeleton.shape, np.uint8)
     rows, columns = np.nonzero(target.skeleton)
     image[rows[point], columns[point]] = 1
-    wide = _bridged(cv2.dilate(image, np.ones((_BRIDGE, _BRIDGE), np.uint8)), target, point)
+    wide = np.asarray(cv2.dilate(image, np.ones((_BRIDGE, _BRIDGE), np.uint8)), np.uint8)
+    wide = _bridged(wide, target, point)
     _, label = cv2.connectedComponents(wide, connectivity=8, ltype=cv2.CV_32S)
     numbers = label[rows[point], columns[point]]
     length = np.bincount(numbers)
