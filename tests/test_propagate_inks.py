@@ -5,8 +5,9 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from test_propagate import FAST, FIGURE, draw, strokes_of, turned
+from test_propagate import FAST, FIGURE, arc, draw, line, strokes_of, turned
 
+from videovec.events import EventKind
 from videovec.initialise import initialise
 from videovec.ink import Ink
 from videovec.propagate import propagate
@@ -49,3 +50,17 @@ def test_an_ink_that_comes_late_is_traced_when_it_comes() -> None:
     lives = carried.strokes.layout.first, carried.strokes.layout.last
     assert [list(map(int, life)) for life in lives] == [[0, 0, 2, 2], [3, 3, 3, 3]]
     np.testing.assert_allclose(carried.strokes.color[2:], [BLUE, BLUE])
+
+
+def test_one_ink_that_changes_altogether_is_no_cut_but_all_of_them_are() -> None:
+    shapes = [arc(x, y, 18, a, a + 85) for x in (30, 80, 130) for y in (30, 80, 130) for a in (0, 95, 190)]
+    still, other = draw(FIGURE), draw(shapes)
+    red = [draw([line(10, 150, 60, 150)])] * 2 + [draw([arc(130, 20, 12, 0, 80)])] * 2
+    first = painted(strokes_of([*FIGURE, line(10, 150, 60, 150)]), [BLUE] * 4 + [RED])
+    trace = partial(initialise, settings=InitialiseSettings())
+    alone = propagate(two_inks(red, [still] * 4), first, FAST, trace)
+    assert not [event for event in alone.events if event.kind == EventKind.CUT]
+    assert alone.strokes.layout.last[:4].tolist() == [3, 3, 3, 3]
+    both = propagate(two_inks(red, [still] * 2 + [other] * 2), first, FAST, trace)
+    assert [event.drawing for event in both.events if event.kind == EventKind.CUT] == [2]
+    assert both.strokes.layout.last[:5].tolist() == [1, 1, 1, 1, 1]

@@ -41,8 +41,8 @@ _REVERSE = 0.5
 """Weight of a pull from ink to strokes, against 1 from strokes to ink."""
 _CROSS_REACH = 12.0
 """Distance at which an edge between strokes has half of its stiffness. px"""
-_RECALL = 0.02
-"""Pull of where strokes are against their remembered shape: bends shorter than about 60 px are learned slowly."""
+_RECALL = 0.3
+"""Pull of where strokes are against their remembered shape: bends of less than some eight nodes are learned slowly."""
 _SOLVES = 2
 _ITERATIONS = 40
 
@@ -214,6 +214,7 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
     positions = start.copy()
     if len(source.nodes) == 0 or len(target) == 0:
         return positions
+    held = _held(source)
     to_ink = np.zeros(len(positions), np.int64)
     to_node = np.zeros((len(target) + 1) // 2, np.int64)
     for phase in phases:
@@ -225,7 +226,7 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
             ink = _ink_features(target, beta, gamma)
             to_ink, squared = nearest(features, ink, to_ink)
             to_node, squared_back = nearest(ink[::2], features, to_node)
-            pull, rhs = source.hold[:, None] * (1.0, 0.0, 1.0), source.hold[:, None] * source.goal
+            pull, rhs = held[0].copy(), held[1].copy()
             weight = source.weight * _robust(squared, tau)
             own = np.arange(len(positions))
             assemble(pull, rhs, own, target.points[to_ink], target.direction[to_ink], weight, np.full(len(own), _ALONG))
@@ -235,6 +236,17 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
             for _ in range(_SOLVES):
                 positions = relax(positions, source.rest, edges, (pull, rhs), phase.scale, _ITERATIONS)
     return positions
+
+
+def _held(source: Source) -> tuple[Floats, Floats]:
+    """Springs [N, 3] and right-hand side [N, 2] of what holds nodes: those that follow the ink, along it alone."""
+    tangent = source.nodes.tangents(source.goal)
+    follows = source.weight > 0
+    tx, ty = np.where(follows[:, None], tangent, (1.0, 0.0)).T
+    yy = np.where(follows, ty * ty, 1.0)
+    pull = source.hold[:, None] * np.stack([tx * tx, tx * ty, yy], axis=1)
+    x, y = source.goal.T
+    return pull, np.stack([pull[:, 0] * x + pull[:, 1] * y, pull[:, 1] * x + pull[:, 2] * y], axis=1)
 
 
 def _robust(squared: Floats, tau: float) -> Floats:

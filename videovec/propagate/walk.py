@@ -49,18 +49,23 @@ class Propagated:
 
 
 def walk(
-    ink: Ink, strokes: Strokes, settings: PropagateSettings, trace: Trace, progress: Progress | None = None
+    ink: Ink,
+    strokes: Strokes,
+    settings: PropagateSettings,
+    trace: Trace,
+    progress: Progress | None = None,
+    cuts: frozenset[int] | None = None,
 ) -> Propagated:
-    """Carry strokes of one ink over all drawings; see `propagate`."""
+    """Carry strokes of one ink over all drawings; see `propagate`. New shots begin at ``cuts``, if they are known."""
     progress = progress or Silent()
     progress.stage("propagate", ink.drawing_count - 1)
     lives = open_lives(strokes if len(strokes) else trace(ink, 0))
     seed = lives[0].first if lives else 0
     if any(life.first != seed or life.last != seed for life in lives):
         raise FitError("propagate needs strokes of one drawing, got some that live longer")
-    book = _Book(lives, [], max((life.id for life in lives), default=0) + 1)
+    book = _Book(lives, sorted(cuts or ()), max((life.id for life in lives), default=0) + 1)
     for direction in (1, -1):
-        _Walk(ink, settings, trace, direction, book).run(seed, progress)
+        _Walk(ink, settings, trace, direction, book, cuts).run(seed, progress)
     book.lives = join_grown(book.lives)
     for life in book.lives:
         move_seam(life)
@@ -88,12 +93,21 @@ class _Book:
 class _Walk:
     """One direction."""
 
-    def __init__(self, ink: Ink, settings: PropagateSettings, trace: Trace, direction: int, book: _Book) -> None:
+    def __init__(
+        self,
+        ink: Ink,
+        settings: PropagateSettings,
+        trace: Trace,
+        direction: int,
+        book: _Book,
+        cuts: frozenset[int] | None,
+    ) -> None:
         self._ink = ink
         self._settings = settings
         self._trace = trace
         self._direction = direction
         self._book = book
+        self._cuts = cuts
         self._nursery = Nursery(ink, settings, trace, direction)
         self._followers: list[Follower] = []
 
@@ -108,7 +122,8 @@ class _Walk:
             placed = carry(self._followers, self._ink.coverage[drawing], step, (previous, target), self._settings)
             self._followers, placed = revive(self._followers, placed, target, drawing)
             residual = self._left(placed, target)
-            if _is_cut(placed, residual):
+            shot = drawing if self._direction > 0 else drawing + 1
+            if shot in self._cuts if self._cuts is not None else _is_cut(placed, residual):
                 self._cut(drawing)
             else:
                 for life in self._nursery.observe(drawing, residual, self._followers, drawing + self._direction == end):
