@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.brush.solidify import blur_of, solid_coverage
+from videovec.brush.solidify import solid_coverage
 from videovec.ink import Ink
 from videovec.progress import Progress
 
@@ -19,7 +19,8 @@ _NOISE_LEVELS = 3.0
 _EDGE = 1.6  # px; nearer to the page ink is thinned by the edge
 _LEAST_CORE = 0.3  # share of the ink that must lie deeper; where thin lines run close together, less does
 _SLOW = 3.0  # px; ink that varies more slowly is pressure, not grain
-_LOOK = 8  # drawings, at most, that are looked at
+_LOOK = 3  # drawings, at most, that are looked at
+_BLUR = 1.0  # px; the least at which lines are made solid: more would take the page beside a line for its inside
 _NORMAL = 1.4826  # standard deviation of a normal variable against the median of its size
 
 
@@ -32,28 +33,24 @@ class TextureEvidence:
         grain: Standard deviation of ink inside the lines, slow changes and outliers apart.
         threshold: What the grain was held against.
         core: Share of the ink that lies deep enough inside lines to tell.
-        blur: The blur that makes the lines solid. px
     """
 
     is_textured: bool
     grain: float
     threshold: float
     core: float
-    blur: float
 
 
 def looks_textured(ink: Ink) -> TextureEvidence:
     """Tell textured lines from solid ones by the ink inside them; lines too thin to tell count as solid."""
-    blur = blur_of(ink)
     which = np.unique(np.linspace(0, ink.drawing_count - 1, min(_LOOK, ink.drawing_count)).astype(int))
-    parts = [_inside(ink.coverage[page], blur) for page in which]
+    parts = [_inside(ink.coverage[page], _BLUR) for page in which]
     deviations = np.concatenate([deviation for deviation, _ in parts])
     grain = _NORMAL * float(np.median(deviations)) if len(deviations) else 0.0
-    deep, all_ink = len(deviations), sum(count for _, count in parts)
-    core = deep / max(all_ink, 1)
+    core = len(deviations) / max(sum(count for _, count in parts), 1)
     threshold = max(_LEAST_GRAIN, _NOISE_LEVELS * ink.noise)
     is_textured = threshold < grain < _MOST_GRAIN and core > _LEAST_CORE
-    return TextureEvidence(is_textured, grain, threshold, core, blur)
+    return TextureEvidence(is_textured, grain, threshold, core)
 
 
 def _inside(coverage: NDArray[np.uint8], blur: float) -> tuple[NDArray[np.float32], int]:

@@ -128,7 +128,8 @@ def _matches(strip: Strip, windows: list[Strip]) -> Floats:
             )
             rows.append(both / np.sqrt(np.maximum(ours * theirs, 1e-9)))
     fits = np.array(rows)
-    return gaussian_filter1d(np.maximum(fits / max(float(fits.std()), 1e-9) - _STANDS_OUT, 0.0), _TOLERANCE, axis=1)
+    stands_out = np.maximum(fits / max(float(fits.std()), 1e-9) - _STANDS_OUT, 0.0)
+    return np.asarray(gaussian_filter1d(stands_out, _TOLERANCE, axis=1))
 
 
 def _fast(length: int) -> int:
