@@ -291,4 +291,4 @@ def winners(a: Arrays, drawing: int, coverage: Array, winner: Array, row_of: Arr
         is_second = coverage[two] > coverage[one]
         winner[n], row_of[n] = two if is_second else one, rows[i]
         coverage[one if is_second else two] = 0
-    return count
+    return int(count)

@@ -88,7 +88,7 @@ def _match_plain(
         grad += slope * covered
     if last >= 0:
         grad_opacity[last] += grad
-    return total + of_row
+    return float(total + of_row)
 
 
 @compiled()

@@ -87,7 +87,7 @@ def _plain_residuals(
         of_row += error * error
         residual[pair] = error
         sway[pair] = opacity if (covered > zero) & (covered < one) else zero
-    return total + of_row
+    return float(total + of_row)
 
 
 @compiled()
