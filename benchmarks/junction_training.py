@@ -163,10 +163,17 @@ def _answers(net: Net, example: Example) -> list[tuple[int, Tensor, Tensor]]:
     return [(k, scores[pairs] @ INCIDENCE[k].T, right) for k, (pairs, right) in example.junctions.items()]
 
 
-def train(examples: list[Example], epochs: int, seed: int = 0, batch: int = 24, rate: float = 4e-3) -> Net:
-    """Make the true matching of every junction likely, of all matchings of its arms."""
-    torch.manual_seed(seed)
-    net, rng = Net(examples), np.random.default_rng(seed)
+def train(examples: list[Example], epochs: int, rate: float = 4e-3, batch: int = 24) -> Net:
+    """Make the true matching of every junction likely, of all matchings of its arms.
+
+    Args:
+        examples: Drawings to learn from.
+        epochs: How often each is seen.
+        rate: Largest learning rate; it rises and falls once.
+        batch: Drawings of a step.
+    """
+    torch.manual_seed(0)
+    net, rng = Net(examples), np.random.default_rng(0)
     optimiser = torch.optim.AdamW(net.parameters(), lr=rate, weight_decay=1e-3)
     steps = len(examples) // batch
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, rate, total_steps=epochs * steps + 1, pct_start=0.15)

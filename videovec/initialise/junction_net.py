@@ -21,7 +21,7 @@ Array = NDArray[np.float32]
 Ints = NDArray[np.intp]
 
 WEIGHTS = "junctions_fp16.safetensors"
-CHECKSUM = "381d1a07c11f0027f07eb1618c52b8bdc7c23985f0b87eaf0727f29ee11f9b97"
+CHECKSUM = "1607cb1f11861615aa1078f66849ed90bff5180a7b699d42783811ef1b0e20dd"
 _CLIPPED = 5.0  # standard deviations of the training set beyond which a number says no more
 
 
