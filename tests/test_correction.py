@@ -140,6 +140,21 @@ def test_a_new_path_becomes_a_stroke_that_is_followed(edited: Path) -> None:
         assert np.abs(points_at(corrected, 3, frame) - EXTRA - frame * SHIFT).max() < 1.0
 
 
+def test_a_recoloured_path_recolours_its_stroke_on_every_frame_and_moves_nothing(edited: Path) -> None:
+    clip = clip_of(TOP, LOW)
+    tracks = tracks_of(clip, life(1, TOP), life(2, LOW))
+    svg = svg_frame(tracks, 2, "stroke")
+    element = re.search(r'<path[^>]*data-stroke-id="2"[^>]*>', svg)
+    assert element
+    assert "#000000" in element[0]
+    edited.write_text(svg.replace(element[0], element[0].replace("#000000", "#c03020")), encoding="utf-8")
+    corrected = correct(tracks, clip, [edited], replace(CONFIG, export=replace(CONFIG.export, svg_style="stroke")))
+    np.testing.assert_allclose(corrected[2].stroke.color * 255, [192, 48, 32], atol=0.5)
+    np.testing.assert_array_equal(corrected[1].stroke.color, [0, 0, 0])
+    for frame in range(DRAWINGS):
+        assert np.abs(points_at(corrected, 2, frame) - LOW - frame * SHIFT).max() < 1.0
+
+
 def test_a_frame_that_was_not_edited_pins_nothing(edited: Path) -> None:
     clip = clip_of(TOP, LOW)
     tracks = tracks_of(clip, life(1, TOP), life(2, LOW))

@@ -32,6 +32,7 @@ __all__ = ["correct", "frame_of_file"]
 Floats = NDArray[np.float64]
 
 _UNMOVED = 0.05  # px by which a path may differ from the one that was written and still be the same
+_RECOLOURED = 1.5 / 255  # by which a channel of a colour may differ from the one that was written
 _PROPORTION = 0.005  # by which the proportions of a corrected document may differ from the page's
 
 
@@ -61,8 +62,8 @@ def correct(
     """Put edited SVG frames of a finished run back, and fit on from there.
 
     Strokes that were moved or reshaped are held where they were put and carried to the drawings around; strokes that
-    were deleted end there, or are left out if they began there; paths without an identity become strokes that are
-    followed through the clip.
+    were recoloured are so on all of their drawings; strokes that were deleted end there, or are left out if they began
+    there; paths without an identity become strokes that are followed through the clip.
 
     Args:
         tracks: The strokes of the run.
@@ -104,8 +105,8 @@ def _check(path: Path, drawn: DrawnStrokes, tracks: StrokeTracks, frame: int) ->
         )
 
 
-def _written(tracks: StrokeTracks, frame: int, config: Config) -> dict[int, Floats]:
-    """The centre lines of a frame as our own file shows them, by identity."""
+def _written(tracks: StrokeTracks, frame: int, config: Config) -> dict[int, tuple[Floats, Floats]]:
+    """The centre lines of a frame as our own file shows them, and their colours, by identity."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "frame.svg"
         path.write_text(svg_frame(tracks, frame, config.export.svg_style), encoding="utf-8")
@@ -113,7 +114,7 @@ def _written(tracks: StrokeTracks, frame: int, config: Config) -> dict[int, Floa
             ours = read_drawn(path, tracks.size)
         except InputError:
             return {}
-    return {int(one): ours.strokes.points_of(row) for row, one in enumerate(ours.ids)}
+    return {int(one): (ours.strokes.points_of(row), ours.strokes.color[row]) for row, one in enumerate(ours.ids)}
 
 
 def _put_back(
@@ -128,9 +129,12 @@ def _put_back(
     pins: set[Pin] = set()
     named = {int(one): row for row, one in enumerate(drawn.ids) if one > 0}
     for identity, row in named.items():
-        points = drawn.strokes.points_of(row)
-        if identity in before and _is_same(before[identity], points):
-            continue
+        points, color = drawn.strokes.points_of(row), drawn.strokes.color[row]
+        if identity in before:
+            if np.abs(color - before[identity][1]).max() > _RECOLOURED:  # a stroke has one ink, on all of its drawings
+                lives[identity] = replace(lives[identity], color=color)
+            if _is_same(before[identity][0], points):
+                continue
         lives[identity] = carried_change(lives[identity], drawing, reshaped(lives[identity], drawing, points), ink)
         pins.add((identity, drawing))
     for identity in sorted(set(before) - set(named)):
