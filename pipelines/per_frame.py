@@ -5,6 +5,7 @@ from videovec.fit import fit, judge
 from videovec.initialise import initialise
 from videovec.ink import extract_ink
 from videovec.link import link
+from videovec.opacity import measure_opacity
 from videovec.progress import Progress
 from videovec.render import resolve_backend
 from videovec.settings import Config
@@ -20,5 +21,5 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
         strokes = initialise(alone, 0, config.initialise)
         fitted = fit(alone, strokes, config.fit, config.render, progress).finished()
         drawings.append(fitted.strokes.shifted(drawing))
-    strokes = link(drawings, config.propagate.search_range)
+    strokes = measure_opacity(link(drawings, config.propagate.search_range), ink)
     return StrokeTracks.of(clip, ink, judge(ink, strokes, resolve_backend(config.render)))

@@ -7,6 +7,7 @@ from videovec.clip import Clip
 from videovec.fit import fit
 from videovec.initialise import initialise
 from videovec.ink import extract_ink
+from videovec.opacity import measure_opacity
 from videovec.progress import Progress
 from videovec.propagate import propagate
 from videovec.settings import Config
@@ -28,5 +29,5 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     carried = propagate(ink, first.finished().strokes.shifted(seed), config.propagate, trace, progress)
     if not config.initialise.reference:  # an artist's strokes stay as they were drawn
         carried = vote(ink, carried, seed, trace, progress)
-    result = fit(ink, carried.strokes, config.fit, config.render, progress)
+    result = fit(ink, measure_opacity(carried.strokes, ink), config.fit, config.render, progress)
     return StrokeTracks.of(clip, ink, result, carried.events)

@@ -96,7 +96,7 @@ def fit(
     for first, last in windows:
         around = max(0, first - settings.overlap), min(ink.drawing_count - 1, last + settings.overlap)
         part = strokes.within(*around).shifted(-around[0])
-        target = ink.coverage[around[0] : around[1] + 1]
+        target = ink.shown[around[0] : around[1] + 1]
         terms = _terms(part, settings.weights, backend.device)
         try:
             fitted = optimise(
@@ -154,10 +154,10 @@ def compare(ink: Ink, strokes: Strokes, drawn: NDArray[np.uint8]) -> FitResult:
     """
     squared = [
         np.mean((a.astype(np.float32) - b.astype(np.float32)) ** 2) / 255**2
-        for a, b in zip(ink.coverage, drawn, strict=True)
+        for a, b in zip(ink.shown, drawn, strict=True)
     ]
     psnr = -10 * np.log10(np.maximum(squared, 1e-10))
-    return FitResult(strokes, gather_evidence(strokes, ink.coverage, drawn), psnr)
+    return FitResult(strokes, gather_evidence(strokes, ink.shown, drawn), psnr)
 
 
 def draw_coverage(strokes: Strokes, size: tuple[int, ...], backend: Backend) -> NDArray[np.uint8]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from videovec.clip import Clip
 from videovec.errors import FitError, InputError
+from videovec.fades import find_fades
 from videovec.page import Page, estimate_page, flatten, page_noise, unit_values
 from videovec.palette import SAME_COLOR, Cores, estimate_palette, find_cores, is_share, magnitude
 from videovec.progress import Progress, Silent
@@ -27,6 +28,9 @@ METRIC = LUMA_CHROMA.T @ np.diag([1, 0.1, 0.1]) @ LUMA_CHROMA
 """How coverage is read from colour: mostly from luma, since video stores colour at half the resolution. Where all
 channels agree, as in lossless art, it makes no difference."""
 
+_FAINT = 40
+"""Coverage of the palest entry of the palette that is no edge of a line, of 255."""
+
 NEARBY = 7.0
 """How far along a line the ink that it shows is taken for its own. px"""
 
@@ -41,6 +45,8 @@ class Ink:
         palette: Colour of each ink, sRGB in [0, 1]. [I, 3]
         page: Colour of the flattened page, sRGB in [0, 1]. [3]
         noise: Standard deviation of the page's noise, in coverage.
+        seen: Where lines fade, the share of their ink that is seen; coverage is then that of the lines themselves. None
+            where nothing fades. uint8 [D, H, W]
     """
 
     coverage: NDArray[np.uint8]
@@ -48,6 +54,7 @@ class Ink:
     palette: NDArray[np.float64]
     page: NDArray[np.float64]
     noise: float
+    seen: NDArray[np.uint8] | None = None
 
     def __post_init__(self) -> None:
         if self.coverage.ndim != 3 or self.label.shape != self.coverage.shape:
@@ -59,12 +66,17 @@ class Ink:
         return int(self.coverage.shape[1]), int(self.coverage.shape[2])
 
     @property
+    def shown(self) -> NDArray[np.uint8]:
+        """What strokes of these inks should draw: coverage, less where they fade. uint8 [D, H, W]"""
+        return self.coverage if self.seen is None else self.seen
+
+    @property
     def drawing_count(self) -> int:
         """D."""
         return int(self.coverage.shape[0])
 
     def at_drawing(self, drawing: int) -> Ink:
-        """The ink of one drawing."""
+        """The ink of one drawing, as if nothing faded."""
         part = slice(drawing, drawing + 1)
         return Ink(self.coverage[part], self.label[part], self.palette, self.page, self.noise)
 
@@ -98,7 +110,46 @@ def extract_ink(clip: Clip, settings: InkSettings | None = None, progress: Progr
     if not coverage.any():
         raise InputError(f"{clip.name}: must show lines on an even page, got no ink in any of {count} drawings")
     depth = float(magnitude((palette - page.color).astype(np.float32)).max())
-    return Ink(coverage, label, palette, page.color, max(noise) / depth)
+    ink = Ink(coverage, label, palette, page.color, max(noise) / depth)
+    return _with_fades(ink, clip, page) if len(palette) > 1 and count > 1 else ink
+
+
+def _with_fades(ink: Ink, clip: Clip, page: Page) -> Ink:
+    """The ink with lines that fade as lines of one ink."""
+    fades = find_fades(ink.palette - page.color, ink.label, ink.coverage)
+    if not fades:
+        return ink
+    seen = np.zeros_like(ink.coverage)
+    whole = np.array([fades.get(i, i) for i in range(len(ink.palette))])
+    scale = _shares(ink.palette - page.color)
+    for drawing, image in enumerate(clip.drawings):
+        own = scale[whole[ink.label[drawing]]]
+        share = np.clip(np.einsum("hwc,hwc->hw", _deviation(unit_values(image), page), own), 0, 1)
+        seen[drawing] = np.rint(255 * np.where(ink.coverage[drawing] > 0, share, 0))
+        for weak in fades:
+            _fill(ink.coverage[drawing], ink.label[drawing] == weak)
+    kept = [i for i in range(len(ink.palette)) if i not in fades]
+    place = np.array([kept.index(i) for i in whole.tolist()], np.uint8)
+    return replace(ink, label=place[ink.label], palette=ink.palette[kept], seen=seen)
+
+
+def _fill(coverage: NDArray[np.uint8], mask: NDArray[np.bool_]) -> None:
+    """Raise the coverage of lines that fade such that most of them is full; in place.
+
+    Args:
+        coverage: Share of the nearest entry of the palette, of which they may show less. uint8 [H, W]
+        mask: The pixels of that entry. bool [H, W]
+    """
+    mask = mask & (coverage > _FAINT)
+    if mask.any():
+        full = np.percentile(coverage[mask], 90)
+        coverage[mask] = np.minimum(255.0, coverage[mask] * (255.0 / full)).round().astype(np.uint8)
+
+
+def _shares(inks: NDArray[np.float64]) -> Floats:
+    """What a deviation is multiplied by to give the share of each ink. [I, 3]"""
+    weighted = inks @ METRIC
+    return np.asarray(weighted / (weighted * inks).sum(axis=1, keepdims=True), np.float32)
 
 
 def ink_alone(ink: Ink, label: int) -> Ink:
@@ -120,7 +171,7 @@ def ink_alone(ink: Ink, label: int) -> Ink:
         kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
         bridged = cv2.morphologyEx(drawing, cv2.MORPH_CLOSE, kernel)
         np.maximum(drawing, np.minimum(bridged, np.where(drawing > 0, 0, whole)), out=drawing)
-    return replace(ink, coverage=coverage, label=np.full_like(ink.label, label))
+    return replace(ink, coverage=coverage, label=np.full_like(ink.label, label), seen=None)
 
 
 def _deviation(image: Floats, page: Page) -> Floats:
@@ -157,9 +208,7 @@ def _read_drawing(
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """Coverage and label of one drawing. uint8 [H, W] each"""
     label = _labels(deviation, inks, max(noise), max(settings.least_contrast, 4 * max(noise)))
-    weighted = inks @ METRIC
-    scale = (weighted / (weighted * inks).sum(axis=1, keepdims=True)).astype(np.float32)
-    share = np.clip(np.einsum("hwc,hwc->hw", deviation, scale[label]), 0, 1)
+    share = np.clip(np.einsum("hwc,hwc->hw", deviation, _shares(inks)[label]), 0, 1)
     depth = magnitude(inks.astype(np.float32))[label]
     share[~_is_ink(share * depth, noise, settings)] = 0
     return np.rint(share * 255).astype(np.uint8), label

@@ -39,7 +39,8 @@ def solidify(ink: Ink, blur: float | None = None) -> Ink:
     coverage = np.empty_like(ink.coverage)
     for page, seen in zip(coverage, ink.coverage, strict=True):
         page[...] = np.round(255 * solid_coverage(seen, blur))
-    return replace(ink, coverage=coverage, label=np.stack([_nearest_label(*pair) for pair in _pairs(ink, coverage)]))
+    labels = np.stack([_nearest_label(*pair) for pair in _pairs(ink, coverage)])
+    return replace(ink, coverage=coverage, label=labels, seen=None)
 
 
 def _pairs(ink: Ink, coverage: NDArray[np.uint8]) -> list[tuple[NDArray[np.uint8], NDArray[np.uint8], bool]]:

@@ -23,6 +23,9 @@ __all__ = ["Follower", "Placement", "carry", "follow"]
 
 Floats = NDArray[np.float64]
 
+_SHORT = 0.5
+"""Share of a stroke up to which it may be seen on one drawing for any less of it to be the stroke on the next."""
+
 
 @dataclass(slots=True, eq=False)
 class Follower:
@@ -98,7 +101,7 @@ def carry(
     loose, positions = find(source, targets[1], targets[0], velocity)
     half_width = scale * np.array([follower.half_width(before) for follower in followers])
     most_seen = np.array([follower.life.most_seen for follower in followers]).reshape(-1, 2)
-    least = 0.0 if grows else SEEN
+    least = np.array([0.0 if grows or 0.0 < row.seen <= _SHORT else SEEN for row in rows])
     support = find_support(nodes, positions, half_width, targets[1], most_seen, least)
     hold = predict_hidden([f.life for f in followers], nodes, positions, support, (before, after, scale))
     is_still = grows and positions is source.rest

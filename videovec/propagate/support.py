@@ -72,7 +72,7 @@ def find_support(
     half_width: Floats,
     target: Target,
     most_seen: Floats | None = None,
-    least: float = SEEN,
+    least: Floats | None = None,
 ) -> Support:
     """Look for the ink of every stroke.
 
@@ -85,7 +85,7 @@ def find_support(
         half_width: Half-width of each stroke. [S] working px
         target: The drawing's ink.
         most_seen: The most that was ever seen of each stroke, as arc fractions; all of it unless told. [S, 2]
-        least: Share of a stroke that must lie on ink for it to be there.
+        least: Share of each stroke that must lie on ink for it to be there; `SEEN` unless told. [S]
 
     Returns:
         The support of each node and the seen parts of each stroke.
@@ -103,7 +103,7 @@ def find_support(
     for s, basis in enumerate(nodes.bases):
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
         share[s] = supported[own].mean()
-        main = _interval(supported[own], basis.is_closed, least)
+        main = _interval(supported[own], basis.is_closed, SEEN if least is None else float(least[s]))
         if claimed[own][main[0] : main[1] + 1].sum() < _OWN * (main[1] + 1 - main[0]):
             main = 0, -1
         width = 2.0 * float(half_width[s]) / _spacing(positions[own])
