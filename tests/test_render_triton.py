@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import fields, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pytest
 import torch
@@ -34,8 +34,9 @@ def match(scene: Scene, pairs: PairList, scale: float, target: Tensor, extra: Te
 
 def _moved(record: T) -> T:
     """A record whose tensors lie on the device of the kernels."""
-    tensors = {f.name: getattr(record, f.name) for f in fields(record)}
-    return replace(record, **{name: v.to(DEVICE) for name, v in tensors.items() if isinstance(v, Tensor)})
+    values = {field.name: getattr(record, field.name) for field in fields(record)}
+    moved: dict[str, Any] = {name: v.to(DEVICE) for name, v in values.items() if isinstance(v, Tensor)}
+    return replace(record, **moved)
 
 
 @pytest.mark.parametrize("with_extra", [False, True])
