@@ -216,7 +216,8 @@ def test_an_interruption_exits_130_and_says_so(videovec: Command, gif: Path) -> 
 
 def test_a_signal_from_the_keyboard_ends_a_real_process_with_130(gif: Path) -> None:
     code = (
-        "import sys, time, types\n"
+        "import signal, sys, time, types\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # shells have background jobs ignore it
         "module = types.ModuleType('videovec.pipelines.slow')\n"
         "module.run = lambda clip, config, progress: (progress.note('started'), time.sleep(60))\n"
         "sys.modules['videovec.pipelines.slow'] = module\n"
