@@ -76,6 +76,13 @@ def test_an_identity_that_changes_halfway_counts_half() -> None:
     assert score.idf1 == pytest.approx((1 + 1 + 0.5) / 3, abs=0.01)
 
 
+def test_a_stroke_is_worth_no_more_than_its_length() -> None:
+    short = strokes()
+    score = score_clip(truth(), replace(short, visible=np.tile([0.02, 0.98], (len(short.visible), 1))))
+    assert score.persistence == 1  # its ends are within tolerance
+    assert score.idf1 == pytest.approx(2 * 0.96 / (1 + 0.96), abs=0.01)
+
+
 def test_one_outline_around_everything_cannot_game_identity() -> None:
     score = score_clip([[s for s in drawing if s.id == 0] for drawing in truth()], strokes())
     assert score.persistence == 1.0

@@ -89,12 +89,13 @@ def score_clip(
         overlap[t] = _overlap(seen, found, len(ids), len(strokes))
     partner = _partners(overlap)
     covered = sum((overlap[:, i, j] for i, j in partner.items()), start=np.zeros(len(truth)))
+    shared = sum((np.minimum(overlap[:, i, j], found_length[:, j]).sum() for i, j in partner.items()), start=0.0)
     total = float(true_length.sum() + found_length.sum())
     persistence = _persistence(overlap, true_length)
     seen_true, seen_found = true_length > 0, found_length > 0
     points = score_points(follow_points(truth, strokes, ink, by_arc=by_arc))
     return ClipScore(
-        idf1=2 * float(covered.sum()) / total if total else np.nan,
+        idf1=2 * float(shared) / total if total else np.nan,
         persistence=_mean(persistence),
         full_life=_mean(persistence == 1.0),
         position=points.position,
