@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import torch
 from drawings import random_drawing
-from timing import Timing, machine
+from timing import Timing, machine, write_report
 
 from videovec.decode import decode
 from videovec.fit import fit
@@ -155,12 +155,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="Markdown file to write beside printing")
     arguments = parser.parse_args()
     configure_threads(1)
-    lines = []
-    for line in report(arguments.sample):
-        print(line, flush=True)
-        lines.append(line)
-    if arguments.out:
-        arguments.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_report(report(arguments.sample), arguments.out)
 
 
 if __name__ == "__main__":

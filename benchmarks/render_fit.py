@@ -20,7 +20,7 @@ import numpy as np
 import torch
 from drawings import exact_raster, random_drawing
 from numpy.typing import NDArray
-from timing import machine
+from timing import machine, write_report
 from torch import Tensor
 
 from videovec.render import Scene, coverage_loss_and_gradients, list_pairs, render_image
@@ -199,12 +199,8 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="Markdown file to write beside printing")
     arguments = parser.parse_args()
     configure_threads(1)
-    lines = []
-    for line in report(arguments.tiny, arguments.drawing, arguments.out.parent if arguments.out else None):
-        print(line, flush=True)
-        lines.append(line)
-    if arguments.out:
-        arguments.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    folder = arguments.out.parent if arguments.out else None
+    write_report(report(arguments.tiny, arguments.drawing, folder), arguments.out)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import torch
 from drawings import on_page, random_drawing
-from timing import Timing, interleaved, machine
+from timing import Timing, interleaved, machine, write_report
 
 from videovec.render import Scene, coverage_loss_and_gradients, list_pairs
 from videovec.render.fused import match_with_torch
@@ -204,12 +204,7 @@ def main() -> None:
         drawings, height, width, strokes = map(int, arguments.memory.split(","))
         peak_memory(drawings, height, width, strokes)
         return
-    lines = []
-    for line in report(arguments.tiny):
-        print(line, flush=True)
-        lines.append(line)
-    if arguments.out:
-        arguments.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_report(report(arguments.tiny), arguments.out)
 
 
 if __name__ == "__main__":

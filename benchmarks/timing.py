@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import platform
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -61,6 +61,16 @@ def _calls_in_a_row(call: Callable[[], object]) -> int:
     begin = time.perf_counter()
     call()
     return int(np.clip(ROW / max(time.perf_counter() - begin, 1e-9), 1, 20))
+
+
+def write_report(lines: Iterable[str], out: Path | None) -> None:
+    """Print the lines of a report as they come, and write them to a file if one is named."""
+    told = []
+    for line in lines:
+        print(line, flush=True)
+        told.append(line)
+    if out:
+        out.write_text("\n".join(told) + "\n", encoding="utf-8")
 
 
 def machine() -> str:

@@ -10,15 +10,17 @@ from __future__ import annotations
 import triton
 import triton.language as tl
 
+from videovec.render import limits
+
 __all__ = ["cover_chunks", "gather_segments", "match_pixels"]
 
-SLOWEST2 = tl.constexpr(0.01)
-SLOWEST = tl.constexpr(0.1)
-NEAREST = tl.constexpr(1e-3)
-NARROWEST = tl.constexpr(1e-3)
-THINNEST = tl.constexpr(0.05)
-BENT = tl.constexpr(0.05)
-"""As in `videovec.render.limits`: kernels read no Python numbers but these."""
+SLOWEST = tl.constexpr(limits.SLOWEST)
+SLOWEST2 = tl.constexpr(limits.SLOWEST**2)
+NEAREST = tl.constexpr(limits.NEAREST)
+NARROWEST = tl.constexpr(limits.NARROWEST)
+THINNEST = tl.constexpr(limits.THINNEST)
+BENT = tl.constexpr(limits.BENT)
+"""The limits in a form that kernels can read."""
 
 
 @triton.jit
