@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Piece", "find_pieces"]
+__all__ = ["Piece", "find_pieces", "runs"]
 
 Bools = NDArray[np.bool_]
 
@@ -41,12 +41,12 @@ def find_pieces(main: Piece, inked: Bools, bare: Bools, chosen: Bools, width: fl
     if main[1] < main[0]:
         return []
     shown = _without_islands(_without_short_gaps(inked & ~bare, bare), width)
-    runs = [run for run in _runs(shown) if _is_seen(run, main, chosen)]
-    if len(runs) < 2:
+    seen = [run for run in runs(shown) if _is_seen(run, main, chosen)]
+    if len(seen) < 2:
         return [main]
-    runs[0] = min(runs[0][0], main[0]), runs[0][1]
-    runs[-1] = runs[-1][0], max(runs[-1][1], main[1])
-    return runs
+    seen[0] = min(seen[0][0], main[0]), seen[0][1]
+    seen[-1] = seen[-1][0], max(seen[-1][1], main[1])
+    return seen
 
 
 def _is_seen(run: Piece, main: Piece, chosen: Bools) -> bool:
@@ -60,7 +60,7 @@ def _is_seen(run: Piece, main: Piece, chosen: Bools) -> bool:
 def _without_short_gaps(inked: Bools, bare: Bools) -> Bools:
     """Nodes on ink, and those in gaps that show too little paper to be any."""
     filled = inked.copy()
-    for first, last in _runs(~inked):
+    for first, last in runs(~inked):
         is_inner = first > 0 and last < len(inked) - 1
         if is_inner and bare[first : last + 1].sum() < _BARE:
             filled[first : last + 1] = True
@@ -70,13 +70,14 @@ def _without_short_gaps(inked: Bools, bare: Bools) -> Bools:
 def _without_islands(inked: Bools, width: float) -> Bools:
     """Nodes on ink, without short runs between two gaps."""
     left = inked.copy()
-    for first, last in _runs(inked):
+    for first, last in runs(inked):
         is_inner = first > 0 and last < len(inked) - 1
         if is_inner and last - first + 1 <= _ISLAND * width:
             left[first : last + 1] = False
     return left
 
 
-def _runs(values: Bools) -> list[Piece]:
+def runs(values: Bools) -> list[Piece]:
+    """First and last place of each run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], values.astype(np.int8), [0]])))
     return list(zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.curves import arc_length, parameter_at, segments_of, split
+from videovec.propagate.gaps import runs
 from videovec.propagate.record import Interval, Life, Row
 
 __all__ = ["move_seam"]
@@ -45,9 +46,8 @@ def _is_shown(row: Row, u: Floats) -> NDArray[np.bool_]:
 
 def _middle(values: NDArray[np.bool_]) -> int:
     """The middle of the longest run."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], values.astype(np.int8), [0]])))
-    longest = int(np.argmax(edges[1::2] - edges[::2]))
-    return int((edges[2 * longest] + edges[2 * longest + 1] - 1) // 2)
+    first, last = max(runs(values), key=lambda run: run[1] - run[0])
+    return (first + last) // 2
 
 
 def _opened_at(row: Row, segment: int, t: float) -> Row:
