@@ -8,12 +8,18 @@ import torch
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, gaussian_filter1d
 
+from videovec.brush import Brush, BrushModel, Laying
 from videovec.brush.align import find_repeat
+from videovec.brush.drift import learn_texture, lie_along
+from videovec.brush.lifts import find_lifts, part_strokes
+from videovec.brush.refine import Laid
 from videovec.brush.repeat import recurrence
 from videovec.brush.shape import unfairness
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
+from videovec.strokes import Strokes
 
 Floats = NDArray[np.float64]
+PARTS = ("grain", "weight", "density")
 
 
 def grain(widths: float, rng: np.random.Generator) -> Floats:
@@ -36,6 +42,11 @@ def laid(texture: Floats, widths: float, drift: float, rng: np.random.Generator)
     return Strip(ink, np.ones_like(ink), np.ones(count), float("nan"))
 
 
+def strip_turned(texture: Floats, strip: Strip) -> bool:
+    """Whether a strip was laid from its end: its ink across follows that of the texture turned."""
+    return lie_along(strip, texture, len(texture) / TEXELS_PER_WIDTH)[0] < 0
+
+
 @pytest.mark.parametrize("widths", [7.0, 16.0])
 def test_a_repeat_is_found_where_arc_lengths_drift(widths: float) -> None:
     rng = np.random.default_rng(int(widths))
@@ -52,6 +63,32 @@ def test_strokes_too_short_to_show_a_repeat_show_none() -> None:
     rng = np.random.default_rng(2)
     strips = [laid(grain(16.0, rng), 5.0, 0.0, rng) for _ in range(4)]
     assert not len(recurrence(strips, 4.0, 12.0).peaks(3))
+
+
+def test_a_stroke_is_parted_where_the_other_one_began_that_was_drawn_the_other_way() -> None:
+    rng = np.random.default_rng(4)
+    texture = grain(9.0, rng)
+    strips = [laid(texture, length, 0.0, rng) for length in (30.0, 25.0, 20.0, 20.0)]
+    first, second = laid(texture, 17.0, 0.0, rng), laid(texture, 14.0, 0.0, rng)
+    second = second if (strip_turned(texture, first) != strip_turned(texture, second)) else second.turned()
+    both = Strip(*(np.concatenate([getattr(one, part) for one in (first, second)]) for part in PARTS), float("nan"))
+    lifts = find_lifts([*strips, both], learn_texture([*strips, first, second], 9.0))
+    assert [len(lift) for lift in lifts] == [0, 0, 0, 0, 1]
+    assert lifts[-1][0] == pytest.approx(17.0, abs=1.0)
+
+
+def test_parting_keeps_the_curve() -> None:
+    points = np.stack([np.arange(0.0, 130.0, 10.0), np.zeros(13)], axis=1)
+    points[7:, 1] = 5 * np.arange(1.0, 7.0)  # a corner at the third joint
+    strokes = Strokes.from_curves([points, points + 50.0], [np.arange(2.0, 7.0), np.full(5, 3.0)])
+    brush = Brush("chalk", BrushModel.TEXTURE, np.full((108, 24), 0.5), 8.0, 9.0)
+    parted = part_strokes(Laid(strokes, Laying.plain(strokes.layout), brush), [np.array([7.0]), np.zeros(0)])
+    assert parted.strokes.ids.tolist() == [1, 3, 2]
+    assert parted.strokes.layout.segments.tolist() == [2, 2, 4]
+    joined = np.concatenate([parted.strokes.points_of(0), parted.strokes.points_of(1)[1:]])
+    assert joined == pytest.approx(points)
+    assert parted.strokes.half_width_of(1) == pytest.approx([4.0, 5.0, 6.0])
+    assert len(parted.laying.phase) == 3 + 3 + 5
 
 
 def test_even_segments_are_fair_at_any_size_and_folded_ones_are_not() -> None:

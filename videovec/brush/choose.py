@@ -18,7 +18,7 @@ from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 from videovec.brushwork import SUPPORT, BrushModel
 from videovec.settings import BrushSettings
 
-__all__ = ["Evidence", "Lean", "find_lean", "grain_level", "weigh"]
+__all__ = ["Evidence", "Lean", "find_lean", "grain_level", "surest", "weigh"]
 
 Floats = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def weigh(
     Returns:
         The evidence, the texture as learned, and the one-sided profile.
     """
-    sure = [_surest(strip, grain_level(strips)) for strip in strips]
+    sure = surest(strips)
     longest = max(len(strip.grain) for strip in strips) / TEXELS_PER_WIDTH
     highest = max(min(settings.longest_repeat, longest), 1.05 * settings.shortest_repeat)
     repeat = find_repeat(sure, settings.shortest_repeat, highest)
@@ -95,6 +95,12 @@ def weigh(
     model = BrushModel.PROFILE
     evidence = Evidence(model, width, grain_level(strips), repeat, found.score, null, lean.explained, agreement)
     return replace(evidence, model=_choose(evidence, settings)), texture_of(strips, found), lean
+
+
+def surest(strips: list[Strip]) -> list[Strip]:
+    """What of strips is surely grain, and not an edge that is off."""
+    level = grain_level(strips)
+    return [_surest(strip, level) for strip in strips]
 
 
 def _surest(strip: Strip, level: float) -> Strip:

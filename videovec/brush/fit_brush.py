@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.brush.align import Alignment
-from videovec.brush.choose import Evidence, Lean, grain_level, weigh
+from videovec.brush.choose import Evidence, Lean, grain_level, surest, weigh
+from videovec.brush.drift import learn_texture, texture_of
 from videovec.brush.gauge import centre_support, full_scale
 from videovec.brush.grain import measure_grain, synthesise_grain
 from videovec.brush.known import lay_known
 from videovec.brush.lay import lay_again, lay_texture
+from videovec.brush.lifts import find_lifts, part_strokes
 from videovec.brush.prepare import fit_profile, mean_width, shorten_segments
 from videovec.brush.refine import Laid, RefineSchedule, refine
 from videovec.brush.storage import load_brush
@@ -37,7 +39,8 @@ class BrushFit:
 
     Args:
         brush: The brush.
-        strokes: The strokes, refined with the brush; identities and lives are those given, long segments are halved.
+        strokes: The strokes, refined with the brush; identities and lives are those given, long segments are halved,
+            and strokes are parted where their texture begins anew.
         laying: Phase, direction and density of the brush along each stroke.
         evidence: Why the brush's model was chosen.
         ink_pixels: Pixels that hold ink, over all drawings: a brush with more texels than this is a bitmap.
@@ -86,6 +89,7 @@ def fit_brush(
     evidence, texture, lean = weigh(strips, laid.brush.width, settings, rng)
     progress.note(describe(evidence))
     if evidence.model is BrushModel.TEXTURE:
+        laid, texture = _parted(laid, strips, texture, ink.coverage)
         laid = _with_texture(laid, texture, ink.coverage, settings, progress)
     else:
         if lean.explained > settings.lean_share:
@@ -126,6 +130,15 @@ def describe(evidence: Evidence) -> str:
         f"brush: {evidence.model}; a shared texture explains {evidence.explained:.2f} of held-out strokes, "
         f"{evidence.null:.2f} of shuffled ones; a one-sided profile {evidence.lean:.2f}; pen {evidence.width:.1f} px"
     )
+
+
+def _parted(laid: Laid, strips: list[Strip], found: Alignment, coverage: NDArray[np.uint8]) -> tuple[Laid, Alignment]:
+    """Strokes that begin where the brush did, and the texture learned again from them."""
+    parted = part_strokes(laid, find_lifts(strips, found))
+    if len(parted.strokes) == len(laid.strokes):
+        return laid, found
+    strips = unroll(parted, coverage)
+    return parted, texture_of(strips, learn_texture(surest(strips), found.repeat))
 
 
 def _with_texture(
