@@ -19,7 +19,6 @@ from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 from videovec.strokes import Strokes
 
 Floats = NDArray[np.float64]
-PARTS = ("grain", "weight", "density")
 
 
 def grain(widths: float, rng: np.random.Generator) -> Floats:
@@ -71,10 +70,25 @@ def test_a_stroke_is_parted_where_the_other_one_began_that_was_drawn_the_other_w
     strips = [laid(texture, length, 0.0, rng) for length in (30.0, 25.0, 20.0, 20.0)]
     first, second = laid(texture, 17.0, 0.0, rng), laid(texture, 14.0, 0.0, rng)
     second = second if (strip_turned(texture, first) != strip_turned(texture, second)) else second.turned()
-    both = Strip(*(np.concatenate([getattr(one, part) for one in (first, second)]) for part in PARTS), float("nan"))
-    lifts = find_lifts([*strips, both], learn_texture([*strips, first, second], 9.0))
-    assert [len(lift) for lift in lifts] == [0, 0, 0, 0, 1]
-    assert lifts[-1][0] == pytest.approx(17.0, abs=1.0)
+    ink = np.concatenate([first.grain, second.grain])
+    both = Strip(ink, np.ones_like(ink), np.ones(len(ink)), float("nan"))
+    drawn = [*strips, both]
+    for only_turned in (True, False):
+        lifts = find_lifts(drawn, learn_texture(drawn, 9.0), only_turned)
+        assert [len(lift) for lift in lifts] == [0, 0, 0, 0, 1]
+        assert lifts[-1][0] == pytest.approx(17.0, abs=1.0)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_stroke_is_parted_that_is_whole(seed: int) -> None:
+    """Neither along a texture that arc lengths drift from, nor where grain is chance and the best place wins."""
+    rng = np.random.default_rng(seed)
+    texture, lengths = grain(9.0, rng), rng.uniform(12, 48, 8)
+    for strips in (
+        [laid(texture, one, 0.02, rng) for one in lengths],
+        [laid(grain(60.0, rng), one, 0.0, rng) for one in lengths],
+    ):
+        assert [len(lift) for lift in find_lifts(strips, learn_texture(strips, 9.0))] == [0] * 8
 
 
 def test_parting_keeps_the_curve() -> None:

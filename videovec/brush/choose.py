@@ -18,7 +18,7 @@ from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 from videovec.brushwork import SUPPORT, BrushModel
 from videovec.settings import BrushSettings
 
-__all__ = ["Evidence", "Lean", "find_lean", "grain_level", "surest", "weigh"]
+__all__ = ["Evidence", "Lean", "find_lean", "grain_level", "learn_shared", "surest", "weigh"]
 
 Floats = NDArray[np.float64]
 
@@ -83,10 +83,8 @@ def weigh(
         The evidence, the texture as learned, and the one-sided profile.
     """
     sure = surest(strips)
-    longest = max(len(strip.grain) for strip in strips) / TEXELS_PER_WIDTH
-    highest = max(min(settings.longest_repeat, longest), 1.05 * settings.shortest_repeat)
-    repeat = find_repeat(sure, settings.shortest_repeat, highest)
-    found = learn_texture(sure, repeat)
+    found = learn_shared(sure, settings)
+    repeat = found.repeat
     null = float(np.mean([learn_texture(shuffled(sure, rng), repeat).score for _ in range(2)]))
     lean = find_lean(strips)
     known = [strip for strip in strips if np.isfinite(strip.agreement)]
@@ -95,6 +93,13 @@ def weigh(
     model = BrushModel.PROFILE
     evidence = Evidence(model, width, grain_level(strips), repeat, found.score, null, lean.explained, agreement)
     return replace(evidence, model=_choose(evidence, settings)), texture_of(strips, found), lean
+
+
+def learn_shared(strips: list[Strip], settings: BrushSettings) -> Alignment:
+    """The texture that strips share, at the repeat that is best for them."""
+    longest = max(len(strip.grain) for strip in strips) / TEXELS_PER_WIDTH
+    highest = max(min(settings.longest_repeat, longest), 1.05 * settings.shortest_repeat)
+    return learn_texture(strips, find_repeat(strips, settings.shortest_repeat, highest))
 
 
 def surest(strips: list[Strip]) -> list[Strip]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from videovec.brush.align import Alignment, Folded, align, spread
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 
-__all__ = ["explained_at", "learn_texture", "lie_along", "texture_of"]
+__all__ = ["explained_at", "learn_texture", "lie_along", "texture_of", "textures_without"]
 
 Floats = NDArray[np.float64]
 
@@ -40,13 +40,15 @@ def learn_texture(strips: list[Strip], repeat: float, rounds: int = 2) -> Alignm
 
 def texture_of(strips: list[Strip], found: Alignment) -> Alignment:
     """The alignment with its texture learned again, from these strips."""
-    columns = len(found.texture)
-    parts = [
-        _spread(strip, sign, offset, found.repeat, columns)
-        for strip, sign, offset in zip(strips, found.sign, found.offset, strict=True)
-    ]
-    values, weights = (np.sum([part[k] for part in parts], axis=0) for k in (0, 1))
+    values, weights = (np.sum(parts, axis=0) for parts in zip(*_spread_all(strips, found), strict=True))
     return replace(found, texture=values / (np.maximum(weights, 0) + _RIDGE))
+
+
+def textures_without(strips: list[Strip], found: Alignment) -> list[Floats]:
+    """For each strip, the texture that the others make. S times [U, V]"""
+    parts = _spread_all(strips, found)
+    values, weights = (np.sum(part, axis=0) for part in zip(*parts, strict=True))
+    return [(values - value) / (np.maximum(weights - weight, 0) + _RIDGE) for value, weight in parts]
 
 
 def lie_along(strip: Strip, texture: Floats, repeat: float) -> tuple[float, Floats, float]:
@@ -79,10 +81,7 @@ def explained_at(strip: Strip, texture: Floats, repeat: float, sign: float, offs
 
 def _with_drift(strips: list[Strip], rigid: Alignment) -> Alignment:
     columns = len(rigid.texture)
-    parts = [
-        _spread(strip, sign, offset, rigid.repeat, columns)
-        for strip, sign, offset in zip(strips, rigid.sign, rigid.offset, strict=True)
-    ]
+    parts = _spread_all(strips, rigid)
     values, weights = (np.sum([part[k] for part in parts], axis=0) for k in (0, 1))
     offsets, explained = [], []
     for k, strip in enumerate(strips):
@@ -100,6 +99,13 @@ def _with_drift(strips: list[Strip], rigid: Alignment) -> Alignment:
 def _place(length: int, sign: float, offset: Floats, repeat: float, columns: int) -> Floats:
     """Place of each texel of a strip in the texture. [L] columns"""
     return np.asarray((sign * (np.arange(length) + 0.5) / TEXELS_PER_WIDTH + offset) / repeat * columns - 0.5)
+
+
+def _spread_all(strips: list[Strip], found: Alignment) -> list[tuple[Floats, Floats]]:
+    """Sums of grain and weight of every strip at its place in the texture. S times twice [U, V]"""
+    columns = len(found.texture)
+    placed = zip(strips, found.sign, found.offset, strict=True)
+    return [_spread(strip, sign, offset, found.repeat, columns) for strip, sign, offset in placed]
 
 
 def _spread(strip: Strip, sign: float, offset: Floats, repeat: float, columns: int) -> tuple[Floats, Floats]:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.brush.align import Alignment
-from videovec.brush.choose import Evidence, Lean, grain_level, surest, weigh
-from videovec.brush.drift import learn_texture, texture_of
+from videovec.brush.choose import Evidence, Lean, grain_level, learn_shared, surest, weigh
+from videovec.brush.drift import texture_of
 from videovec.brush.gauge import centre_support, full_scale
 from videovec.brush.grain import measure_grain, synthesise_grain
 from videovec.brush.known import lay_known
@@ -89,7 +89,7 @@ def fit_brush(
     evidence, texture, lean = weigh(strips, laid.brush.width, settings, rng)
     progress.note(describe(evidence))
     if evidence.model is BrushModel.TEXTURE:
-        laid, texture = _parted(laid, strips, texture, ink.coverage)
+        laid, texture = _parted(laid, strips, texture, ink.coverage, settings)
         laid = _with_texture(laid, texture, ink.coverage, settings, progress)
     else:
         if lean.explained > settings.lean_share:
@@ -132,13 +132,16 @@ def describe(evidence: Evidence) -> str:
     )
 
 
-def _parted(laid: Laid, strips: list[Strip], found: Alignment, coverage: NDArray[np.uint8]) -> tuple[Laid, Alignment]:
+def _parted(
+    laid: Laid, strips: list[Strip], found: Alignment, coverage: NDArray[np.uint8], settings: BrushSettings
+) -> tuple[Laid, Alignment]:
     """Strokes that begin where the brush did, and the texture learned again from them."""
-    parted = part_strokes(laid, find_lifts(strips, found))
-    if len(parted.strokes) == len(laid.strokes):
-        return laid, found
-    strips = unroll(parted, coverage)
-    return parted, texture_of(strips, learn_texture(surest(strips), found.repeat))
+    for only_turned in (True, False):  # strokes of two hide the repeat, and a wrong one makes strokes jump
+        parted = part_strokes(laid, find_lifts(surest(strips), found, only_turned))
+        if len(parted.strokes) > len(laid.strokes):
+            laid, strips = parted, unroll(parted, coverage)
+            found = texture_of(strips, learn_shared(surest(strips), settings))
+    return laid, found
 
 
 def _with_texture(

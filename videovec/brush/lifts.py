@@ -2,17 +2,21 @@
 
 Tracing takes strokes that meet end to end for one. Along one that a pen drew, the place in the texture goes on and the
 direction stays; where another place or the other direction explains the rest of the stroke far better, two were drawn.
+A stroke has many places to choose from, so that the best of them always explains something: a lift counts only if the
+texture of the *other* strokes, followed along the ink of one side of the centre line, explains so much more of the ink
+on the *other* side that it pays for a stroke, and if either side alone says so at the same place.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from videovec.brush.align import Alignment
+from videovec.brush.drift import textures_without
 from videovec.brush.refine import Laid
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip, joint_arcs
 from videovec.brushwork import Laying, stroke_joints
@@ -24,32 +28,68 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 _HOP = 6  # texels of arc over which the place in the texture drifts by at most one
-_DRIFT, _LIFT = 6.0, 600.0  # prices of a drift and of a lift, in texels' worth of unexplained grain
+_DRIFT, _LIFT = 6.0, 300.0  # prices of a drift and of a lift, in texels' worth of unexplained grain
+_PAYS = 600.0  # what a lift must explain of ink that did not choose it, in texels' worth of grain
+_SLIP = 2.0  # widths that a place may jump in its own direction without a lift: arc lengths are wrong
+_AGREED = 2.5  # widths that the two sides may differ by
+_LEAST = 4.0  # widths of either part of a parted stroke
 _NEAR = 2.5  # widths within which a stroke is parted at its sharpest joint
 
 
-def find_lifts(strips: list[Strip], found: Alignment) -> list[Floats]:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Path:
+    """The way along a texture that costs least: state of every step, and the steps before which it jumps. [K], [n]"""
+
+    state: Ints
+    jumps: Ints
+
+
+def find_lifts(strips: list[Strip], found: Alignment, only_turned: bool = False) -> list[Floats]:
     """Where along each stroke the texture begins anew.
 
     Args:
         strips: S strips.
         found: The texture, as far as it was learned from them.
+        only_turned: Whether to part strokes only where they turn round, which no error of the repeat explains.
 
     Returns:
         Arcs of each stroke. S times [K] widths
     """
-    return [_lifts_of(strip, found.texture, found.repeat) for strip in strips]
+    others, slip = textures_without(strips, found), np.inf if only_turned else _SLIP
+    return [_lifts_of(strip, texture, found.repeat, slip) for strip, texture in zip(strips, others, strict=True)]
 
 
-def _lifts_of(strip: Strip, texture: Floats, repeat: float) -> Floats:
-    seen = float(strip.weight.sum())
+def _lifts_of(strip: Strip, texture: Floats, repeat: float, slip: float) -> Floats:
+    none = np.zeros(0)
+    length, seen = len(strip.grain) / TEXELS_PER_WIDTH, float(strip.weight.sum())
     unit = float((strip.weight * strip.grain**2).sum()) / max(seen, 1e-9)
-    if seen < 2 * _LIFT:
-        return np.zeros(0)
+    if length < 2 * _LEAST or seen < 2 * _PAYS:
+        return none
+    sides = [_costs(side, texture, repeat) for side in _sides(strip)]
+    together = _cheapest(sides[0] + sides[1], _DRIFT * unit, _LIFT * unit)
+    jumps = _far(together, len(texture), slip / repeat)
+    if not len(jumps):
+        return none
+    alone = [_cheapest(side, 0.5 * _DRIFT * unit, 0.5 * _LIFT * unit) for side in sides]
+    is_agreed = [all(_is_near(jump, path.jumps) for path in alone) for jump in jumps]
+    lifts = jumps[is_agreed] * _HOP / TEXELS_PER_WIDTH
+    lifts = lifts[(lifts >= _LEAST) & (lifts <= length - _LEAST)]
+    whole = [_cheapest(side, 0.5 * _DRIFT * unit, np.inf) for side in sides]
+    gain = sum(_cost(sides[1 - k], whole[k]) - _cost(sides[1 - k], alone[k]) for k in (0, 1))
+    return lifts if gain > _PAYS * unit * len(lifts) else none
+
+
+def _sides(strip: Strip) -> tuple[Strip, Strip]:
+    """The strip with one side of its centre line unseen, and with the other."""
+    is_left = np.arange(strip.weight.shape[1]) < strip.weight.shape[1] // 2
+    return replace(strip, weight=strip.weight * is_left), replace(strip, weight=strip.weight * ~is_left)
+
+
+def _costs(strip: Strip, texture: Floats, repeat: float) -> Floats:
+    """Cost of each step along a stroke if its beginning lies at each column, laid forth or back. [K, 2, U]"""
     begins = np.arange(0, len(strip.grain), _HOP)
-    costs = np.stack([-np.add.reduceat(_drops(strip, texture, repeat, way), begins) for way in (0, 1)], axis=1)
-    lifted = _cheapest(costs, _DRIFT * unit, _LIFT * unit)
-    return np.asarray(begins[lifted] / TEXELS_PER_WIDTH, dtype=np.float64)
+    ways = [-np.add.reduceat(_drops(strip, texture, repeat, way), begins) for way in (0, 1)]
+    return np.stack(ways, axis=1)
 
 
 def _drops(strip: Strip, texture: Floats, repeat: float, way: int) -> Floats:
@@ -62,34 +102,44 @@ def _drops(strip: Strip, texture: Floats, repeat: float, way: int) -> Floats:
     return np.asarray(np.take_along_axis(drop, column % columns, axis=1))
 
 
-def _cheapest(costs: Floats, drift: float, lift: float) -> Ints:
-    """Steps before which the cheapest path through states [K, 2, U] lifts the pen. int"""
+def _cost(costs: Floats, path: _Path) -> float:
+    """What a path costs without its prices."""
+    return float(costs.reshape(len(costs), -1)[np.arange(len(costs)), path.state].sum())
+
+
+def _far(path: _Path, columns: int, slip: float) -> Ints:
+    """The jumps of a path that turn it round, or take it further than a slip, a share of the texture. [n]"""
+    before, after = path.state[path.jumps - 1], path.state[path.jumps]
+    moved = (after - before + columns // 2) % columns - columns // 2
+    is_turned = before // columns != after // columns
+    return np.asarray(path.jumps[is_turned | (np.abs(moved) > slip * columns)])
+
+
+def _is_near(jump: np.intp, jumps: Ints) -> bool:
+    return bool((np.abs(jumps - jump) * _HOP <= _AGREED * TEXELS_PER_WIDTH).any())
+
+
+def _cheapest(costs: Floats, drift: float, jump: float) -> _Path:
+    """The cheapest path through states [K, 2, U], at a price for a step to a neighbouring column and for a jump."""
     best = costs[0]
     came = np.zeros(costs.shape, np.intp)
     states = np.arange(best.size).reshape(best.shape)
     for k in range(1, len(costs)):
         anew = int(np.argmin(best))
-        options = np.stack(
-            [
-                best,
-                np.roll(best, 1, axis=1) + drift,
-                np.roll(best, -1, axis=1) + drift,
-                np.full_like(best, best.flat[anew] + lift),
-            ]
-        )
-        sources = np.stack(
-            [states, np.roll(states, 1, axis=1), np.roll(states, -1, axis=1), np.full_like(states, anew)]
-        )
+        moved = [np.roll(best, step, axis=1) + drift for step in (1, -1)]
+        options = np.stack([best, *moved, np.full_like(best, best.flat[anew] + jump)])
+        places = [states, *(np.roll(states, step, axis=1) for step in (1, -1)), np.full_like(states, -1 - anew)]
         choice = options.argmin(axis=0)[None]
-        came[k] = np.where(choice[0] == 3, -1 - anew, np.take_along_axis(sources, choice, axis=0)[0])
+        came[k] = np.take_along_axis(np.stack(places), choice, axis=0)[0]
         best = np.take_along_axis(options, choice, axis=0)[0] + costs[k]
-    state, lifted = int(np.argmin(best)), []
+    state = np.zeros(len(costs), np.intp)
+    state[-1], jumps = int(np.argmin(best)), []
     for k in range(len(costs) - 1, 0, -1):
-        source = int(came[k].flat[state])
+        source = int(came[k].flat[state[k]])
         if source < 0:
-            lifted.append(k)
-        state = source if source >= 0 else -1 - source
-    return np.array(lifted[::-1], dtype=np.intp)
+            jumps.append(k)
+        state[k - 1] = source if source >= 0 else -1 - source
+    return _Path(state, np.array(jumps[::-1], dtype=np.intp))
 
 
 def part_strokes(laid: Laid, lifts: list[Floats]) -> Laid:
