@@ -21,7 +21,7 @@ from videovec.initialise.polyline import resample
 from videovec.initialise.prune import Widths
 from videovec.initialise.tracer import cleaned_graph
 
-__all__ = ["Drawn", "collection", "drawings", "raster", "trace_lines"]
+__all__ = ["Drawn", "collection", "draw", "drawings", "raster", "strokes_known", "trace_lines"]
 
 Floats = NDArray[np.float64]
 Random = np.random.Generator
@@ -180,26 +180,44 @@ def _overlaid(known: list[Lines], lines: Lines, rng: Random) -> Lines:
     return _in_unit_square(lines + [line * rng.uniform(0.4, 0.9) + rng.uniform(-0.25, 0.25, 2) for line in other])
 
 
+def strokes_known(kind: str, count: int, modules: Path | None) -> list[Lines]:
+    """Drawings that a kind starts from: of a collection, or none for a made-up kind."""
+    return [] if modules is None or kind in MADE else collection(modules, kind.removeprefix(ICONS), count)
+
+
+def draw(kind: str, number: int, seed: int, known: list[Lines]) -> Drawn | None:
+    """One traced drawing of a kind; nothing where it has no lines.
+
+    Args:
+        kind: One of ``MADE``, or the name of a collection, warped unless "icons of" stands before it.
+        number: Which of them.
+        seed: Of the drawings, or of what is done to them.
+        known: What ``strokes_known`` found.
+    """
+    rng = np.random.default_rng([seed, len(kind), number])
+    is_icon = kind.startswith(ICONS)
+    if kind in MADE:
+        lines = _warped(MADE[kind](rng), rng, 0.5)
+    else:
+        lines = known[number % len(known)]
+        lines = lines if is_icon else _overlaid(known, _warped(lines, rng, 1.0), rng)
+    size, width = _pen(rng, is_icon)
+    placed = [resample(densify((line * 0.88 + 0.5) * size, 0.6), STEP) for line in lines]
+    drawn = trace_lines(placed, _degraded(raster(placed, size, width), rng))
+    return drawn if drawn is not None and drawn.graph.branches else None
+
+
 def drawings(kind: str, count: int, seed: int, modules: Path | None) -> Iterator[Drawn]:
     """Traced drawings of one kind.
 
     Args:
-        kind: One of ``MADE``, or the name of a collection, warped unless "icons of" stands before it.
+        kind: See ``draw``.
         count: How many to make, at most.
         seed: Of the drawings, or of what is done to them.
         modules: A ``node_modules`` in which the collections are installed; only made-up ones do without.
     """
-    rng = np.random.default_rng([seed, len(kind)])
-    is_icon = kind.startswith(ICONS)
-    known = [] if modules is None or kind in MADE else collection(modules, kind.removeprefix(ICONS), count)
-    for k in range(count):
-        if kind in MADE:
-            lines = _warped(MADE[kind](rng), rng, 0.5)
-        else:
-            lines = known[k % len(known)]
-            lines = lines if is_icon else _overlaid(known, _warped(lines, rng, 1.0), rng)
-        size, width = _pen(rng, is_icon)
-        placed = [resample(densify((line * 0.88 + 0.5) * size, 0.6), STEP) for line in lines]
-        drawn = trace_lines(placed, _degraded(raster(placed, size, width), rng))
-        if drawn is not None and drawn.graph.branches:
+    known = strokes_known(kind, count, modules)
+    for number in range(count):
+        drawn = draw(kind, number, seed, known)
+        if drawn is not None:
             yield drawn

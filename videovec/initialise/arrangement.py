@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.initialise.graph import Graph
-from videovec.initialise.polyline import arc
 from videovec.initialise.prune import Widths
 
 __all__ = ["Arrangement", "arrange"]
@@ -74,14 +73,62 @@ class Arrangement:
     turning: Floats
 
 
-def _swing(line: Floats, along: Floats, step: float) -> float:
-    """Sum of the turns of a line that is sampled coarsely. rad"""
-    count = int(along[-1] / step)
-    if count < 2:
-        return 0.0
-    lengths = np.linspace(0.0, along[-1], count + 1)
-    way = np.diff(np.interp(lengths, along, line[:, 0]) + 1j * np.interp(lengths, along, line[:, 1]))
-    return float(np.abs(np.angle(way[1:] * np.conj(way[:-1]))).sum())
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lines:
+    """All branches as one polyline, so that they are sampled at once; a gap of arc length lies between two.
+
+    Args:
+        points: Samples of all branches. [N, 2] px
+        along: Arc length up to each. [N] px
+        first: Sample at which each branch begins. int [B]
+        last: And ends. int [B]
+    """
+
+    points: Floats
+    along: Floats
+    first: Ints
+    last: Ints
+
+    @staticmethod
+    def of(graph: Graph) -> _Lines:
+        parts: list[Floats] = []
+        for number in sorted(graph.branches):
+            branch = graph.branches[number]
+            parts += [graph.position[[branch.start]], branch.line[1:-1], graph.position[[branch.stop]]]
+        counts = np.array([len(part) for part in parts], np.intp).reshape(-1, 3).sum(axis=1)
+        points = np.concatenate(parts) if parts else np.zeros((0, 2))
+        last = np.cumsum(counts) - 1
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        steps[last[:-1]] = 1.0
+        return _Lines(points, np.append(0.0, np.cumsum(steps))[: len(points)], last - counts + 1, last)
+
+    @property
+    def length(self) -> Floats:
+        """Of each branch. [B] px"""
+        return np.asarray(self.along[self.last] - self.along[self.first])
+
+    def at(self, branch: Ints, lengths: Floats) -> Floats:
+        """Points of branches at arc lengths from their starts. [..., 2] px"""
+        where = self.along[self.first[branch]] + lengths
+        x, y = self.points.T
+        return np.stack([np.interp(where, self.along, x), np.interp(where, self.along, y)], axis=-1)
+
+    def swept(self) -> Floats:
+        """Integral of x dy - y dx along each branch. [B] px^2"""
+        x, y = self.points.T
+        area = np.append(x[:-1] * y[1:] - x[1:] * y[:-1], 0.0)
+        area[self.last] = 0.0
+        return np.add.reduceat(area, self.first)
+
+    def swing(self, step: Floats) -> Floats:
+        """Sum of the turns of each branch, sampled so coarsely [B] px; none of one shorter than two steps. [B] rad"""
+        counts = np.maximum((self.length / step).astype(np.intp), 1)
+        owner = np.repeat(np.arange(len(counts)), counts + 1)
+        within = np.arange(len(owner)) - np.repeat(np.cumsum(counts + 1) - counts - 1, counts + 1)
+        points = self.at(owner, self.length[owner] * within / counts[owner]) @ np.array([1.0, 1.0j])
+        way = np.diff(points)
+        turns = np.abs(np.angle(way[1:] * np.conj(way[:-1])))
+        return np.bincount(owner[1:-1], np.where(owner[2:] == owner[:-2], turns, 0.0), len(counts))
 
 
 def _around(graph: Graph, node: int, index: dict[End, int], points: Floats) -> Ints:
@@ -130,40 +177,37 @@ class _Branches:
     swept: Floats
 
 
-def _measure(graph: Graph, ends: list[End], unit: Floats) -> _Branches:
+def _measure(graph: Graph, unit: Floats) -> _Branches:
     """Sample every branch from both of its ends; all in units but ``swept``, the integral of x dy - y dx. px^2"""
-    count = len(ends)
-    points = np.zeros((count, len(REACHES), 2))
-    samples = np.zeros((2, count, _SAMPLES, 2))
-    bounds = np.zeros((2, count, 2))
-    total, chord, swing, swept = (np.zeros(count) for _ in range(4))
+    lines = _Lines.of(graph)
+    branch = np.repeat(np.arange(len(lines.first)), 2)  # both ends of a branch stand side by side
+    is_stop = np.arange(len(branch)) % 2 == 1
+    total = lines.length[branch]
+    origin = lines.points[np.where(is_stop, lines.last[branch], lines.first[branch])]
+
+    def sampled(lengths: Floats) -> Floats:
+        """Points at arc lengths from each end, relative to its node. [E, M, 2] units"""
+        lengths = np.minimum(lengths, total[:, None])
+        lengths = np.where(is_stop[:, None], total[:, None] - lengths, lengths)
+        where = lines.at(np.repeat(branch[:, None], lengths.shape[1], axis=1), lengths)
+        return np.asarray((where - origin[:, None]) / unit[:, None, None])
+
     steps = np.linspace(0.0, 1.0, _SAMPLES)
-    for number in range(0, count, 2):  # both ends of a branch stand side by side
-        branch = graph.branches[ends[number][0]]
-        line = np.concatenate([graph.position[[branch.start]], branch.line[1:-1], graph.position[[branch.stop]]])
-        along = arc(line)
-        x, y = line.T
-        total[number : number + 2] = along[-1]
-        chord[number : number + 2] = np.linalg.norm(line[-1] - line[0])
-        swing[number : number + 2] = _swing(line, along, float(unit[number : number + 2].max()))
-        area = float((x[:-1] * y[1:] - x[1:] * y[:-1]).sum())
-        swept[number : number + 2] = area, -area
-        own = slice(number, number + 2)
-        wanted = [unit[own, None] * REACHES]
-        for k, (low, high) in enumerate(_FITTED):
-            start, stop = np.minimum(low * unit[own], 0.3 * along[-1]), np.minimum(high * unit[own], along[-1])
-            bounds[k, own] = np.stack([start, stop], axis=1) / unit[own, None]
-            wanted.append(start[:, None] + (stop - start)[:, None] * steps)
-        lengths = np.minimum(np.concatenate(wanted, axis=1), along[-1])
-        lengths[1] = along[-1] - lengths[1]
-        where = np.stack([np.interp(lengths, along, x), np.interp(lengths, along, y)], axis=2)
-        where = (where - line[[0, -1], None]) / unit[own, None, None]
-        points[own] = where[:, : len(REACHES)]
-        samples[:, own] = where[:, len(REACHES) :].reshape(2, 2, _SAMPLES, 2).swapaxes(0, 1)
-    fits = [_fits(samples[k], bounds[k, :, 0], bounds[k, :, 1], high - low) for k, (low, high) in enumerate(_FITTED)]
-    tangents = np.stack([fit[0] for fit in fits], axis=1)
-    curvatures = np.stack([fit[1] for fit in fits], axis=1)
-    return _Branches(points, tangents, curvatures, total / unit, chord / np.maximum(total, 1e-9), swing, swept)
+    fits = []
+    for low, high in _FITTED:
+        start, stop = np.minimum(low * unit, 0.3 * total), np.minimum(high * unit, total)
+        samples = sampled(start[:, None] + (stop - start)[:, None] * steps)
+        fits.append(_fits(samples, start / unit, stop / unit, high - low))
+    chord = np.linalg.norm(origin - origin[np.arange(len(branch)) ^ 1], axis=1)
+    return _Branches(
+        sampled(unit[:, None] * REACHES),
+        np.stack([fit[0] for fit in fits], axis=1),
+        np.stack([fit[1] for fit in fits], axis=1),
+        total / unit,
+        chord / np.maximum(total, 1e-9),
+        lines.swing(np.maximum(unit[::2], unit[1::2]))[branch],
+        lines.swept()[branch] * np.where(is_stop, -1.0, 1.0),
+    )
 
 
 def arrange(graph: Graph, widths: Widths) -> Arrangement:
@@ -182,7 +226,7 @@ def arrange(graph: Graph, widths: Widths) -> Arrangement:
     at = {node: max(_LEAST_UNIT, widths.at(graph, node)) for node in graph.nodes()}
     node = np.array([graph.branches[n].stop if end else graph.branches[n].start for n, end in ends], np.intp)
     unit = np.array([at[n] for n in node.tolist()])
-    told = _measure(graph, ends, unit)
+    told = _measure(graph, unit)
     degree = np.array([graph.degree(n) for n in node.tolist()], np.intp)
     following, wedge, gap = np.arange(count), np.full(count, -1, np.intp), np.full(count, 2.0 * np.pi)
     pairs: list[tuple[int, int]] = []

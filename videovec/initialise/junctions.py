@@ -67,6 +67,16 @@ def matchings(count: int) -> tuple[Pairs, ...]:
     return tuple(_pairings_of(tuple(range(count))))
 
 
+@cache
+def _incidence(count: int) -> Floats:
+    """Which pairs each matching of so many arms has. [M, count^2]"""
+    which = np.zeros((len(matchings(count)), count, count))
+    for row, pairs in zip(which, matchings(count), strict=True):
+        for i, j in pairs:
+            row[i, j] = 1.0
+    return which.reshape(len(which), -1)
+
+
 def _greedy(gain: Floats) -> Pairs:
     """The pairs of largest gain, one after the other."""
     count = len(gain)
@@ -82,8 +92,8 @@ def _greedy(gain: Floats) -> Pairs:
 
 def _ranked(gain: Floats) -> tuple[tuple[Pairs, ...], Floats]:
     """All matchings and their summed gains, the best first."""
-    every = matchings(len(gain))
-    total = np.array([sum(gain[i, j] for i, j in pairs) for pairs in every])
+    every, which = matchings(len(gain)), _incidence(len(gain))
+    total = which @ gain.reshape(-1)
     order = np.argsort(-total, kind="stable")
     return tuple(every[k] for k in order), total[order]
 
