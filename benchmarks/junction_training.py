@@ -13,7 +13,7 @@ from torch import Tensor, nn
 from benchmarks.junction_data import Drawn
 from videovec.initialise.arrangement import Arrangement, arrange
 from videovec.initialise.junction_features import Features, describe
-from videovec.initialise.junctions import matchings
+from videovec.initialise.junctions import decisions
 
 __all__ = ["Example", "Net", "accuracy", "prepare", "to_bytes", "train"]
 
@@ -38,10 +38,10 @@ class Example:
 
 
 def _incidence(arms: int) -> Tensor:
-    """Which pairs each matching has. [M, K(K-1)/2]"""
+    """Which pairs each decision has. [M, K(K-1)/2]"""
     pairs = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(arms) for j in range(i + 1, arms))}
-    table = torch.zeros(len(matchings(arms)), len(pairs))
-    for row, matching in enumerate(matchings(arms)):
+    table = torch.zeros(len(decisions(arms)), len(pairs))
+    for row, matching in enumerate(decisions(arms)):
         for i, j in matching:
             table[row, pairs[min(i, j), max(i, j)]] = 1.0
     return table
@@ -59,13 +59,13 @@ def prepare(drawn: Drawn) -> Example:
     found: dict[int, tuple[list[list[int]], list[int]]] = {}
     for known in drawn.junctions:
         arms = len(known.ends)
-        if not known.is_clear:
+        if not known.is_clear or known.links not in decisions(arms):
             continue
         ends = [index[end] for end in known.ends]
         truth = {frozenset(pair) for pair in known.links}
         pairs, right = found.setdefault(arms, ([], []))
         pairs.append([number[frozenset((ends[i], ends[j]))] for i in range(arms) for j in range(i + 1, arms)])
-        right.append(next(k for k, m in enumerate(matchings(arms)) if {frozenset(pair) for pair in m} == truth))
+        right.append(next(k for k, m in enumerate(decisions(arms)) if {frozenset(pair) for pair in m} == truth))
     junctions = {arms: (torch.tensor(pairs), torch.tensor(right)) for arms, (pairs, right) in found.items()}
     numbers = (features.ends, features.pairs, features.regions)
     ends_, pairs_, regions_ = (torch.tensor(values, dtype=torch.float32) for values in numbers)

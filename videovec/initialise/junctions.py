@@ -16,7 +16,7 @@ from videovec.initialise.junction_net import load_net, score_pairs
 from videovec.initialise.polyline import angle_between, direction, end_tangent
 from videovec.initialise.prune import Widths
 
-__all__ = ["Pairing", "Pairs", "choose", "matchings", "pair_branches", "pair_by_net", "turns"]
+__all__ = ["Pairing", "Pairs", "choose", "decisions", "matchings", "pair_branches", "pair_by_net", "turns"]
 
 Floats = NDArray[np.float64]
 End = tuple[int, int]
@@ -68,10 +68,20 @@ def matchings(count: int) -> tuple[Pairs, ...]:
 
 
 @cache
+def decisions(count: int) -> tuple[Pairs, ...]:
+    """What the network chooses from: all matchings, but where three or more arms meet at least one line runs on.
+
+    A hundredth of the junctions of drawings are ends of all their arms, and far more of those that are taken for it are
+    not.
+    """
+    return matchings(count) if count < 3 else tuple(pairs for pairs in matchings(count) if pairs)
+
+
+@cache
 def _incidence(count: int) -> Floats:
-    """Which pairs each matching of so many arms has. [M, count^2]"""
-    which = np.zeros((len(matchings(count)), count, count))
-    for row, pairs in zip(which, matchings(count), strict=True):
+    """Which pairs each decision about so many arms has. [M, count^2]"""
+    which = np.zeros((len(decisions(count)), count, count))
+    for row, pairs in zip(which, decisions(count), strict=True):
         for i, j in pairs:
             row[i, j] = 1.0
     return which.reshape(len(which), -1)
@@ -90,12 +100,11 @@ def _greedy(gain: Floats) -> Pairs:
     return tuple(pairs)
 
 
-def _ranked(gain: Floats) -> tuple[tuple[Pairs, ...], Floats]:
-    """All matchings and their summed gains, the best first."""
-    every, which = matchings(len(gain)), _incidence(len(gain))
-    total = which @ gain.reshape(-1)
-    order = np.argsort(-total, kind="stable")
-    return tuple(every[k] for k in order), total[order]
+def _ranked(gain: Floats) -> tuple[Pairs, ...]:
+    """All matchings, those of the largest sum of gains first."""
+    every = matchings(len(gain))
+    total = np.array([sum(gain[i, j] for i, j in pairs) for pairs in every])
+    return tuple(every[k] for k in np.argsort(-total, kind="stable"))
 
 
 def turns(lines: list[Floats], width: float) -> Floats:
@@ -128,7 +137,7 @@ def _by_turn(cost: Floats, max_turn: float) -> tuple[Pairs, Pairs, float]:
     gain = np.cos(np.radians(cost)) - np.cos(np.radians(max_turn))
     if len(cost) > _MOST_ARMS:
         return _greedy(gain), (), 0.0
-    ranked = _ranked(gain)[0]
+    ranked = _ranked(gain)
     best, second = ranked[0], ranked[1] if len(ranked) > 1 else ()
     worst = [
         max((cost[i, j] for i, j in set(a) - set(b)), default=max_turn) for a, b in ((best, second), (second, best))
@@ -159,17 +168,18 @@ def pair_branches(graph: Graph, widths: Widths, max_turn: float) -> list[Pairing
 
 
 def choose(score: Floats) -> tuple[Pairs, Pairs, float]:
-    """The likeliest matching of K arms, the second, and the log-odds of the first, if the log-probability of a matching
-    is the sum of its pairs' scores up to a constant.
+    """The likeliest decision about K arms, the second, and the log-odds of the first, if the log-probability of each is
+    the sum of its pairs' scores up to a constant.
 
     Args:
         score: Of each pair. [K, K]
     """
     if len(score) > _MOST_ARMS:
         return _greedy(score), (), 0.0
-    ranked, total = _ranked(score)
-    rivals = total[1:] - total[0]
-    return ranked[0], ranked[1], -float(np.logaddexp.reduce(rivals))
+    every, total = decisions(len(score)), _incidence(len(score)) @ score.reshape(-1)
+    first, second = np.argsort(-total, kind="stable")[:2].tolist()
+    rivals = np.delete(total, first) - total[first]
+    return every[first], every[second], -float(np.logaddexp.reduce(rivals))
 
 
 def pair_by_net(graph: Graph, widths: Widths) -> list[Pairing]:
