@@ -31,10 +31,8 @@ FOLDERS = {
     "lucide": "lucide-static/icons",
     "feather": "feather-icons/dist/icons",
     "tabler": "@tabler/icons/icons/outline",
-    "openmoji": "openmoji/black/svg",
-    "kanji": "@madcat/kanjivg/dist/main",
 }
-"""Where each collection keeps its drawings under ``node_modules``."""
+"""Where each collection keeps its drawings under ``node_modules``: lucide-static is ISC, the others are MIT."""
 MADE = {"figure": figure, "scene": scene, "jointed": jointed}
 """Kinds of drawings that are made up."""
 ICONS = "icons of "
@@ -53,7 +51,7 @@ def _polylines(path: Path) -> Lines:
     """Strokes of an SVG, in its own units."""
     lines = []
     for element in svgelements.SVG.parse(str(path), reify=True).elements():
-        is_stroked = "kanjivg" in str(path) or getattr(getattr(element, "stroke", None), "value", None) is not None
+        is_stroked = getattr(getattr(element, "stroke", None), "value", None) is not None
         if not isinstance(element, svgelements.Shape) or not is_stroked:
             continue
         for part in svgelements.Path(element).as_subpaths():
@@ -86,8 +84,6 @@ def collection(modules: Path, name: str, count: int, seed: int = 5) -> list[Line
         seed: Of the order.
     """
     paths = sorted((modules / FOLDERS[name]).glob("*.svg"))
-    if name == "kanji":
-        paths = [path for path in paths if int(path.stem, 16) >= 0x4E00]
     found: list[Lines] = []
     for k in np.random.default_rng(seed).permutation(len(paths)):
         with warnings.catch_warnings():

@@ -13,9 +13,10 @@ from torch import Tensor, nn
 from benchmarks.junction_data import Drawn
 from videovec.initialise.arrangement import Arrangement, arrange
 from videovec.initialise.junction_features import Features, describe
+from videovec.initialise.junction_net import prior
 from videovec.initialise.junctions import decisions
 
-__all__ = ["Example", "Net", "accuracy", "prepare", "to_bytes", "train"]
+__all__ = ["Example", "Net", "accuracy", "prepare", "scores_of", "to_bytes", "train"]
 
 WIDTH, HIDDEN, ROUNDS = 32, 48, 4
 """Size of a state, of the layer between two states, and how often neighbours are heard."""
@@ -157,30 +158,31 @@ def _in_any_order(one: Tensor, two: Tensor) -> tuple[Tensor, Tensor]:
     return one + two, (one - two).abs()
 
 
-def _answers(net: Net, example: Example) -> list[tuple[int, Tensor, Tensor]]:
-    """Logits of all matchings of the junctions of each number of arms, and the true ones."""
-    scores = net(example)
+def _answers(scores: Tensor, example: Example) -> list[tuple[int, Tensor, Tensor]]:
+    """Logits of all decisions about the junctions of each number of arms, and the true ones."""
     return [(k, scores[pairs] @ INCIDENCE[k].T, right) for k, (pairs, right) in example.junctions.items()]
 
 
-def train(examples: list[Example], epochs: int, rate: float = 4e-3, batch: int = 24) -> Net:
-    """Make the true matching of every junction likely, of all matchings of its arms.
+def train(examples: list[Example], epochs: int, seed: int, rate: float = 4e-3, batch: int = 24) -> Net:
+    """Make the true decision about every junction likely, of all about so many arms.
 
     Args:
         examples: Drawings to learn from.
         epochs: How often each is seen.
+        seed: Of the first weights and the order of drawings.
         rate: Largest learning rate; it rises and falls once.
         batch: Drawings of a step.
     """
-    torch.manual_seed(0)
-    net, rng = Net(examples), np.random.default_rng(0)
+    torch.manual_seed(seed)
+    net, rng = Net(examples), np.random.default_rng(seed)
     optimiser = torch.optim.AdamW(net.parameters(), lr=rate, weight_decay=1e-3)
     steps = len(examples) // batch
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, rate, total_steps=epochs * steps + 1, pct_start=0.15)
     for _ in range(epochs):
         order = rng.permutation(len(examples))
         for k in range(steps):
-            answers = _answers(net, together([examples[i] for i in order[k * batch : (k + 1) * batch]]))
+            drawn = together([examples[i] for i in order[k * batch : (k + 1) * batch]])
+            answers = _answers(net(drawn), drawn)
             losses = [nn.functional.cross_entropy(x, y, reduction="sum") for _, x, y in answers]
             loss = torch.stack(losses).sum() / sum(len(y) for _, _, y in answers)
             optimiser.zero_grad()
@@ -192,14 +194,20 @@ def train(examples: list[Example], epochs: int, rate: float = 4e-3, batch: int =
 
 
 @torch.no_grad()
-def accuracy(net: Net, examples: Sequence[Example]) -> tuple[float, int]:
+def scores_of(nets: Sequence[Net], example: Example) -> Tensor:
+    """What the library makes of several networks. [P]"""
+    mean = torch.stack([net(example) for net in nets]).mean(dim=0)
+    return mean + torch.as_tensor(prior(example.features[1].numpy()))
+
+
+def accuracy(nets: Sequence[Net], examples: Sequence[Example]) -> tuple[float, int]:
     """Share of junctions that are wholly right, and how many there are."""
-    right = [(x.argmax(dim=1) == y) for e in examples for _, x, y in _answers(net, e)]
+    right = [(x.argmax(dim=1) == y) for e in examples for _, x, y in _answers(scores_of(nets, e), e)]
     return (float(torch.cat(right).float().mean()), sum(map(len, right))) if right else (float("nan"), 0)
 
 
-def to_bytes(net: Net) -> bytes:
-    """The weights in half precision, as a safetensors file under the names that the library reads."""
+def _arrays(net: Net) -> dict[str, Tensor]:
+    """The weights under the names that the library reads."""
     arrays = {}
     for kind, (mean, spread) in zip(("end", "pair", "region"), net.scale, strict=True):
         arrays[kind + ".mean"], arrays[kind + ".spread"] = mean, spread
@@ -211,7 +219,13 @@ def to_bytes(net: Net) -> bytes:
             place, _, part = layer.rpartition(".")
             key = name + {"": "", "0": ".in", "2": ".out"}[place] + "." + part[0]
             arrays[key] = value.T if part == "weight" else value
+    return arrays
+
+
+def to_bytes(nets: Sequence[Net]) -> bytes:
+    """The weights of all networks in half precision, as a safetensors file."""
     header, body = {}, b""
+    arrays = {f"{number}/{name}": value for number, net in enumerate(nets) for name, value in _arrays(net).items()}
     for name, value in sorted(arrays.items()):
         data = np.ascontiguousarray(value.detach().numpy().astype(np.float16)).tobytes()
         header[name] = {"dtype": "F16", "shape": list(value.shape), "data_offsets": [len(body), len(body) + len(data)]}

@@ -63,9 +63,9 @@ class InitialiseSettings:
     """Which frame it shows, counted from 1."""
     tolerance: Annotated[float, Between(0.01)] = 0.35
     """How far a fitted cubic may lie from the traced centre line. px"""
-    junctions: Annotated[str, OneOf(("learned", "geometry"))] = "geometry"
-    """Which branches of a junction are one stroke: learned asks a small network that has seen how artists draw;
-    geometry takes those that turn least."""
+    junctions: Annotated[str, OneOf(("learned", "geometry"))] = "learned"
+    """Which branches of a junction are one stroke: learned asks two small networks that were shown many
+    drawings; geometry takes those that turn least."""
     max_turn: Annotated[float, Between(0, 180)] = 100.0
     """Largest turn at which two branches of a junction may be one stroke, by geometry. degrees"""
 

@@ -118,7 +118,7 @@ class _Lines:
         x, y = self.points.T
         area = np.append(x[:-1] * y[1:] - x[1:] * y[:-1], 0.0)
         area[self.last] = 0.0
-        return np.add.reduceat(area, self.first)
+        return np.asarray(np.add.reduceat(area, self.first))
 
     def swing(self, step: Floats) -> Floats:
         """Sum of the turns of each branch, sampled so coarsely [B] px; none of one shorter than two steps. [B] rad"""
@@ -128,7 +128,9 @@ class _Lines:
         points = self.at(owner, self.length[owner] * within / counts[owner]) @ np.array([1.0, 1.0j])
         way = np.diff(points)
         turns = np.abs(np.angle(way[1:] * np.conj(way[:-1])))
-        return np.bincount(owner[1:-1], np.where(owner[2:] == owner[:-2], turns, 0.0), len(counts))
+        return np.asarray(
+            np.bincount(owner[1:-1], np.where(owner[2:] == owner[:-2], turns, 0.0), len(counts)), np.float64
+        )
 
 
 def _around(graph: Graph, node: int, index: dict[End, int], points: Floats) -> Ints:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from videovec.initialise.arrangement import arrange
 from videovec.initialise.graph import Graph
 from videovec.initialise.junction_features import describe
-from videovec.initialise.junction_net import load_net, score_pairs
+from videovec.initialise.junction_net import load_nets, score_pairs
 from videovec.initialise.polyline import angle_between, direction, end_tangent
 from videovec.initialise.prune import Widths
 
@@ -183,7 +183,7 @@ def choose(score: Floats) -> tuple[Pairs, Pairs, float]:
 
 
 def pair_by_net(graph: Graph, widths: Widths) -> list[Pairing]:
-    """Decide at every junction which branches run on into which, as a network learned it from drawings.
+    """Decide at every junction which branches run on into which, as networks learned it from drawings.
 
     Args:
         graph: A clean skeleton graph.
@@ -195,7 +195,7 @@ def pair_by_net(graph: Graph, widths: Widths) -> list[Pairing]:
     if not graph.branches:
         return []
     drawn = arrange(graph, widths)
-    scores = score_pairs(load_net(), drawn, describe(drawn))
+    scores = score_pairs(load_nets(), drawn, describe(drawn))
     index = {end: number for number, end in enumerate(drawn.ends)}
     of_pair = dict(zip(map(tuple, drawn.pairs.tolist()), scores.tolist(), strict=True))
     pairings = []
