@@ -188,14 +188,22 @@ def test_strokes_belong_to_the_drawing_that_was_asked_for() -> None:
     assert strokes.is_closed.all()
 
 
-def test_a_clear_junction_is_surer_than_a_doubtful_one() -> None:
+@pytest.mark.parametrize("junctions", ["learned", "geometry"])
+def test_a_clear_junction_is_surer_than_one_of_three_equal_arms(junctions: str) -> None:
+    settings = InitialiseSettings(junctions=junctions)
     bar = straight((12, 64), (116, 64))
-    clear = trace(ink(paint([bar, straight((64, 64), (64, 115))], 3.0)), 0, SETTINGS).junctions
-    fork = [straight((64, 64), (64, 12)), straight((64, 64), (34, 112)), straight((64, 64), (94, 112))]
-    doubtful = trace(ink(paint(fork, 3.0)), 0, SETTINGS).junctions
+    clear = trace(ink(paint([bar, straight((64, 64), (64, 115))], 3.0)), 0, settings).junctions
+    star = [straight((64, 64), (64, 114)), straight((64, 64), (20.7, 39)), straight((64, 64), (107.3, 39))]
+    doubtful = trace(ink(paint(star, 3.0)), 0, settings).junctions
     assert len(clear) == len(doubtful) == 1
     np.testing.assert_allclose(clear[0].position, (64.0, 64.0), atol=1.5)
     assert clear[0].log_odds > 2.0 > 0.6 > doubtful[0].log_odds
+
+
+def test_geometry_doubts_a_fork() -> None:
+    fork = [straight((64, 64), (64, 12)), straight((64, 64), (34, 112)), straight((64, 64), (94, 112))]
+    (doubtful,) = trace(ink(paint(fork, 3.0)), 0, InitialiseSettings(junctions="geometry")).junctions
+    assert doubtful.log_odds < 0.6
 
 
 def test_every_curve_lies_within_the_tolerance_of_its_ink() -> None:
