@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from benchmarks.junction_data import MADE, Drawn, drawings, trace_lines
 from benchmarks.junction_labels import STEP
 from benchmarks.junction_training import Example, accuracy, prepare, to_bytes, train
-from videovec.bench.stills import read_stills
+from videovec.bench.drawings import read_stills
 from videovec.curves import evaluate, segments_of
 from videovec.decode import decode
 from videovec.initialise.junctions import Pairing, pair_branches, pair_by_net

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from videovec.bench import TRACERS, bench_stills, read_stills, scores_to_csv, scores_to_table, sheet
+from videovec.bench.drawings import textured_stills
 from videovec.bench.peers import installed
 from videovec.bench.stills import Result
 from videovec.cli import app
@@ -100,3 +102,33 @@ def test_pictures_and_drawn_sizes_come_from_the_command_line(folder: Path, tmp_p
     image = cv2.imread(str(pictures / "cross_hairline_64_ours.png"))
     assert image is not None
     assert image.shape == (128, 384, 3)
+
+
+def test_a_textured_drawing_holds_the_ink_of_its_strokes_and_another_of_its_brush_differs(folder: Path) -> None:
+    (one,) = textured_stills(folder, (SIZE,), ("made_crayon",), 0.08)
+    (other,) = textured_stills(folder, (SIZE,), ("made_crumbs",), 0.08)
+    ink = [1.0 - still.clip().drawings[0][..., 0] / 255.0 for still in (one, other)]
+    length = sum(SIZE * float(np.hypot(b[0] - a[0], b[1] - a[1])) for a, b in ENDS)
+    for page in ink:
+        assert 0.2 < page.sum() / (length * 0.08 * SIZE) < 1.0  # pale where pressure is low, bare where the tip is
+        assert page[:4].sum() == 0.0
+    assert np.abs(ink[0] - ink[1]).max() > 0.2
+    assert one.set_name == "textured80"
+
+
+def test_textured_drawings_are_benched_from_the_command_line(folder: Path, tmp_path: Path) -> None:
+    drawings = ["--textured", "--size", "96", "--pen", "0.06", "--brush", "made_crayon"]
+    quick = ["-s", "fit.steps=20", "-s", "brush.profile_steps=10", "-s", "brush.texture_steps=10"]
+    methods = ["--method", "ours, with its brush", "--method", "skeleton"]
+    told = ["bench", "stills", str(folder), *drawings, *quick, *methods, "-o", str(tmp_path / "scores.csv"), "-q"]
+    result = CliRunner().invoke(app, told)
+    assert result.exit_code == 0, result.output
+    assert "texturedN" in result.output
+    ours, skeleton = csv.DictReader((tmp_path / "scores.csv").read_text(encoding="utf-8").splitlines())
+    assert ours["name"] == "cross-made_crayon"
+    assert float(ours["psnr"]) > float(skeleton["psnr"])
+
+
+def test_an_unknown_brush_is_an_error(folder: Path) -> None:
+    with pytest.raises(InputError, match="got 'broom'"):
+        textured_stills(folder, (SIZE,), ("broom",))

@@ -22,6 +22,10 @@ Stills = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of NAME/trut
 Clips = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of clips and their truth, such as samples.")]
 Table = Annotated[Path | None, typer.Option("-o", "--out", help="Also write every score to this CSV.")]
 
+Textured = Annotated[
+    bool,
+    typer.Option("--textured", help="Draw the truth with brushes of Debian's krita-data and gimp-data, or made ones."),
+]
 Pictures = Annotated[
     Path | None, typer.Option("--pictures", help="Folder for pictures: input, strokes by colour, error.")
 ]
@@ -38,6 +42,9 @@ def stills(
     sets: Annotated[list[str] | None, typer.Option("--set-name", help="Only this set; may be repeated.")] = None,
     sizes: Annotated[list[int] | None, typer.Option("--size", help="Only this long edge; may be repeated.")] = None,
     methods: Annotated[list[str] | None, typer.Option("--method", help="ours, autotrace ...; may be repeated.")] = None,
+    textured: Textured = False,
+    brushes: Annotated[list[str] | None, typer.Option("--brush", help="Only this brush; may be repeated.")] = None,
+    pen: Annotated[float | None, typer.Option("--pen", help="Width of the brushes' pen, in long edges; 0.01.")] = None,
     out: Table = None,
     pictures: Pictures = None,
     preset: Preset = None,
@@ -45,7 +52,9 @@ def stills(
     quiet: Quiet = False,
 ) -> None:
     """Compare what tracers make of drawings with their true strokes."""
-    from videovec.bench import bench_stills, picture_file, read_stills, scores_to_csv, scores_to_table
+    from videovec.bench import bench_stills, picture_file, read_stills, scores_to_csv, scores_to_table, textured_stills
+    from videovec.bench.drawings import PEN, SIZES
+    from videovec.bench.stills import TEXTURED_METHODS
     from videovec.config import configure
     from videovec.files import write_file
 
@@ -54,9 +63,14 @@ def stills(
             name, data = picture_file(result)
             write_file(pictures / name, data)
 
-    found, config = read_stills(folder, sets or (), sizes or ()), configure(preset, settings or ())
+    config = configure(preset or ("textured" if textured else None), settings or ())
+    if textured:
+        found = textured_stills(folder, sizes or SIZES, brushes or (), pen or PEN)
+    else:
+        found = read_stills(folder, sets or (), sizes or ())
+    default = TEXTURED_METHODS if textured else ("ours",)
     with progress_on(quiet=quiet) as progress:
-        scores = bench_stills(found, config, methods or ("ours",), draw, progress)
+        scores = bench_stills(found, config, methods or default, draw, progress)
     typer.echo(scores_to_table(scores))
     if out:
         write_file(out, scores_to_csv(scores))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from videovec.bench.drawings import Still, read_stills, textured_stills
 from videovec.bench.peers import TRACERS
 from videovec.bench.report import PROTOCOL, picture_file, scores_to_csv, scores_to_table, sheet
-from videovec.bench.stills import Result, Still, StillScore, bench_stills, read_stills
+from videovec.bench.stills import Result, StillScore, bench_stills
 
 __all__ = [
     "PROTOCOL",
@@ -18,4 +19,5 @@ __all__ = [
     "scores_to_csv",
     "scores_to_table",
     "sheet",
+    "textured_stills",
 ]

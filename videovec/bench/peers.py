@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.bench.fitted import fit_with_diffvg, fit_with_splats
+from videovec.brush import brush_coverage, fit_brushes, solidify
 from videovec.curves import evaluate, segments_of
 from videovec.fit import fit
 from videovec.initialise import initialise
@@ -43,7 +44,7 @@ class Tracing:
 
     Args:
         strokes: Strokes, or outlines.
-        coverage: The outlines filled, where they are outlines. [H, W] in [0, 1]
+        coverage: Of the outlines filled, or of what a brush draws; none for even strokes. [H, W] in [0, 1]
     """
 
     strokes: Strokes
@@ -102,6 +103,14 @@ def _straight(start: Floats, stop: Floats) -> Floats:
 
 def _ours(ink: Ink, config: Config) -> Tracing:
     return Tracing(fit(ink, initialise(ink, 0, config.initialise), config.fit, config.render).strokes)
+
+
+def _with_brush(ink: Ink, config: Config) -> Tracing:
+    solid = solidify(ink)
+    strokes = fit(solid, initialise(solid, 0, config.initialise), config.fit, config.render).strokes
+    found = fit_brushes(ink, strokes, config.brush, seed=config.seed)
+    drawn = brush_coverage(found.brushwork, found.result.strokes, ink.coverage.shape)
+    return Tracing(found.result.strokes, drawn[0] / 255.0)
 
 
 def _initialised(ink: Ink, config: Config) -> Tracing:
@@ -189,6 +198,7 @@ def _potrace(ink: Ink, config: Config) -> Tracing:
 
 TRACERS = {
     "ours": Tracer("", _ours),
+    "ours, with its brush": Tracer("", _with_brush),
     "ours, not fitted": Tracer("", _initialised),
     "autotrace": Tracer("autotrace", _autotrace),
     "autotrace + our fit": Tracer("autotrace", _autotrace_fitted),
@@ -198,5 +208,6 @@ TRACERS = {
     "vtracer (outlines)": Tracer("vtracer", _vtracer),
     "potrace (outlines)": Tracer("potrace", _potrace),
 }
-"""Every tracer by the name that tables show. AutoTrace centre lines; our first strokes fitted with
-the supplement's sampled Gaussians, or with DiffVG; scikit-image's skeleton, one stroke a branch."""
+"""Every tracer by the name that tables show. Ours with the brush that it learned, for textured lines; AutoTrace centre
+lines; our first strokes fitted with the supplement's sampled Gaussians, or with DiffVG; scikit-image's skeleton, one
+stroke a branch."""

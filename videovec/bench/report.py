@@ -22,7 +22,8 @@ Image = NDArray[np.uint8]
 PROTOCOL = """\
 How these figures differ from the supplement's rows: its drawings are those of Yan et al. 2024 (and it gives means),
 these are the folder's (medians; counts are sums); its line width is not stated (probably 0.001 of the long edge), ours
-is in the set's name (w3: 3 px at 512; hairline: 0.001 of the long edge); its rasteriser is not stated, the drawings
+is in the set's name (w3: 3 px at 512; hairline: 0.001 of the long edge; texturedN: a brush of N thousandths of the long
+edge at full pressure, which varies along every stroke, as does the ink); its rasteriser is not stated, the drawings
 here are area-coverage images and our strokes are drawn by videovec's own renderer; its LPIPS network is not stated,
 ours is AlexNet; SSIM is that of Wang et al. 2004 (11 x 11 Gaussian of sigma 1.5) on grey; CPU time is from ink to
 strokes, without decoding."""

@@ -1,28 +1,17 @@
-"""Drawings with true strokes: how close initialisation and fit come, beside other tracers.
-
-A folder of drawings holds one folder for each: ``truth.json`` (``strokes``: for each a list of cubic segments [n, 4, 2]
-in the unit square) and images ``SET_SIZE.png``, such as ``w3_512.png``. A set is any way of drawing the strokes, with a
-brush too; those whose names begin with ``textured`` stand beside the supplement's textured rows. Drawings of the sets
-in `WIDTHS` are made from the truth where there is no image of a size.
-"""
+"""Drawings with true strokes: how close initialisation and fit come, beside other tracers."""
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from videovec.bench.exact import draw_area
+from videovec.bench.drawings import Still
 from videovec.bench.peers import TRACERS, installed
-from videovec.clip import Clip, Timeline
-from videovec.decode import decode
 from videovec.errors import InputError
 from videovec.ink import Ink, extract_ink
 from videovec.metrics import chamfer, length_difference, psnr, ssim, topology
@@ -33,43 +22,15 @@ from videovec.render import render_image, resolve_backend
 from videovec.settings import Config
 from videovec.strokes import Strokes
 
-__all__ = ["Result", "Still", "StillScore", "bench_stills", "read_stills"]
+__all__ = ["Result", "StillScore", "bench_stills"]
 
 Floats = NDArray[np.float64]
 
 COVER = 2.0
 """Distance within which a stroke covers another. px at 512"""
-WIDTHS = {"w3": 3.0 / 512.0, "hairline": 0.001}
-"""Sets that can be drawn from the truth, and their line width in long edges."""
+TEXTURED_METHODS = ("ours, with its brush", "ours", "autotrace", "skeleton", "potrace (outlines)")
+"""Who traces textured drawings."""
 _NAN = float("nan")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Still:
-    """A drawing and the strokes that made it.
-
-    Args:
-        name: Its folder's name.
-        set_name: How it was drawn: the file's name without its size.
-        size: Long edge. px
-        path: Its image; none where it is drawn from the truth.
-        truth: Its true strokes, of half-width 1 unless they are to be drawn. px
-    """
-
-    name: str
-    set_name: str
-    size: int
-    path: Path | None
-    truth: Strokes
-
-    def clip(self) -> Clip:
-        """The drawing, read or drawn."""
-        if self.path is not None:
-            return decode(self.path)
-        grey = np.rint(255.0 * (1.0 - draw_area(self.truth, (self.size, self.size)))).astype(np.uint8)
-        one = np.zeros(1, np.intp)
-        timeline = Timeline(one, (Fraction(0),), Fraction(1), one + 1)
-        return Clip(self.name, (np.repeat(grey[..., None], 3, axis=2),), timeline)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,49 +93,6 @@ class Result:
     image: Floats
     strokes: Strokes = field(default_factory=Strokes.empty)
     drawn: Floats | None = None
-
-
-def read_stills(directory: Path, sets: Sequence[str] = (), sizes: Sequence[int] = ()) -> list[Still]:
-    """Find the drawings of a folder.
-
-    Args:
-        directory: The folder.
-        sets: Which sets; all if none is named.
-        sizes: Which long edges; all if none is named.
-
-    Returns:
-        The drawings, by set, size and name.
-
-    Raises:
-        InputError: There is none.
-    """
-    found = []
-    for truth in sorted(directory.glob("*/truth.json")):
-        segments = [np.array(stroke, dtype=float) for stroke in json.loads(truth.read_text("utf-8"))["strokes"]]
-        unit = [np.concatenate([stroke[0, :1], stroke[:, 1:].reshape(-1, 2)]) for stroke in segments]
-        images = _images(truth.parent)
-        missing = [(name, size) for name in WIDTHS for size in sizes if name in (sets or WIDTHS)]
-        for set_name, size in [*images, *(drawn for drawn in missing if drawn not in images)]:
-            if (sets and set_name not in sets) or (sizes and size not in sizes):
-                continue
-            path = images.get((set_name, size))
-            half_width = 1.0 if path else 0.5 * WIDTHS[set_name] * size
-            curves = [points * size for points in unit]
-            strokes = Strokes.from_curves(curves, [np.full((len(points) + 2) // 3, half_width) for points in curves])
-            found.append(Still(truth.parent.name, set_name, size, path, strokes))
-    if not found:
-        raise InputError(f"{directory}: must hold NAME/truth.json beside NAME/SET_SIZE.png, found none")
-    return sorted(found, key=lambda still: (still.set_name, still.size, still.name))
-
-
-def _images(directory: Path) -> dict[tuple[str, int], Path]:
-    """The images of a drawing by set and long edge."""
-    found = {}
-    for image in sorted(directory.glob("*_*.png")):
-        set_name, _, size = image.stem.rpartition("_")
-        if size.isdigit():
-            found[set_name, int(size)] = image
-    return found
 
 
 def _draw(strokes: Strokes, ink: Ink, config: Config) -> Floats:
