@@ -247,3 +247,23 @@ def test_an_end_on_the_ink_of_another_stroke_stays_there() -> None:
     strokes = _strokes(LINE, stem)
     moved = finish(strokes, _ink(strokes), EditSettings())
     assert moved.points == pytest.approx(strokes.points, abs=0.01)
+
+
+@pytest.mark.parametrize("is_last", [True, False])
+@pytest.mark.parametrize("short", [0.4, 1.2, -0.8])
+def test_an_end_under_another_line_goes_to_its_middle(short: float, is_last: bool) -> None:
+    middle = 0.5 * (LINE[1] + LINE[2])
+    foot = np.array([40.0, 90.0])
+    stem = np.linspace(foot, middle, 4)
+    begun = np.linspace(foot, middle - short * (middle - foot) / np.linalg.norm(middle - foot), 4)
+    ink = _ink(_strokes(LINE, stem))
+    moved = finish(_strokes(LINE, begun if is_last else begun[::-1]), ink, EditSettings())
+    assert moved.points_of(1)[-1 if is_last else 0] == pytest.approx(middle, abs=0.25)
+    assert moved.points_of(1)[0 if is_last else -1] == pytest.approx(foot, abs=0.25)
+    assert moved.points_of(0) == pytest.approx(LINE, abs=0.01)
+
+
+def test_an_end_beside_another_line_does_not_go_there() -> None:
+    beside = np.linspace([22.0, 26.0], [72.0, 53.8], 4)  # all along the line, with paper between
+    strokes = _strokes(LINE, beside)
+    assert finish(strokes, _ink(strokes), EditSettings()).points == pytest.approx(strokes.points, abs=0.01)

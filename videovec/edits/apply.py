@@ -11,6 +11,7 @@ from videovec.edits.drop import drop
 from videovec.edits.ends import COARSE, FINE, move_ends
 from videovec.edits.joints import remove_joints
 from videovec.edits.layers import Page, layers_of
+from videovec.edits.meet import EARLY, LATE, meet
 from videovec.edits.merge import merge
 from videovec.edits.uncovered import add_strokes
 from videovec.ink import Ink
@@ -26,7 +27,8 @@ def edit(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
     """Simplify and densify the strokes of one drawing.
 
     No edit raises the sum of squared coverage errors by more than the price of the control points that it saves, nor
-    adds some that do not lower it by as much.
+    adds some that do not lower it by as much; but for covered ends that go to the middle of the line over them, of
+    which the fit that follows makes a gain.
 
     Args:
         strokes: Strokes of drawing 0.
@@ -42,13 +44,14 @@ def edit(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
     strokes = drop(strokes, page, settings)
     strokes = merge(strokes, page, settings)
     strokes = move_ends(strokes, page, settings, COARSE)
+    strokes = meet(strokes, page, settings, EARLY)
     strokes = add_strokes(strokes, page, ink, settings, next_id)
     strokes = remove_joints(strokes, page, settings)
     return divide(strokes, page, settings)
 
 
 def finish(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
-    """Move the ends of fitted strokes to where their ink ends; nothing else changes.
+    """Move the ends of fitted strokes to where their ink ends or to the line that they meet; nothing else changes.
 
     Args:
         strokes: Strokes of drawing 0.
@@ -56,7 +59,8 @@ def finish(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
         settings: The price of a control point.
     """
     page = Page(ink.coverage[0], layers_of(strokes, ink.size))
-    return move_ends(strokes, page, _priced(strokes, ink, settings), FINE)
+    settings = _priced(strokes, ink, settings)
+    return meet(move_ends(strokes, page, settings, FINE), page, settings, LATE)
 
 
 def _priced(strokes: Strokes, ink: Ink, settings: EditSettings) -> EditSettings:

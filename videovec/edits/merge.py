@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from videovec.curves import arc_length, derivative, evaluate, reverse, segments_of, sub_curve
+from videovec.curves import arc_length, derivative, reverse, segments_of, sub_curve
+from videovec.edits.bodies import Bodies
 from videovec.edits.layers import Page, layers_of
 from videovec.edits.shapes import Shape, shapes_of, strokes_of
 from videovec.settings import EditSettings
@@ -108,7 +109,7 @@ def _joints(shapes: list[Shape], settings: EditSettings) -> list[_Joint]:
     ends = _ends(shapes)
     if len(ends) < 2:
         return []
-    bodies, owner = _bodies(shapes)
+    bodies = Bodies.of(shapes)
     found = []
     for i, j in cKDTree([end.place for end in ends]).query_pairs(settings.d_min):
         one, two = ends[i], ends[j]
@@ -119,7 +120,7 @@ def _joints(shapes: list[Shape], settings: EditSettings) -> list[_Joint]:
         if one.stroke == two.stroke and arc_length(shapes[one.stroke].points) < 4.0 * settings.d_min:
             continue
         radius = 0.5 * gap + _CLEAR * 2.0 * max(one.half_width, two.half_width)
-        near = owner[bodies.query_ball_point(0.5 * (one.place + two.place), radius)]
+        near = bodies.owner[bodies.tree.query_ball_point(0.5 * (one.place + two.place), radius)]
         if np.all((near == one.stroke) | (near == two.stroke)):
             found.append(_Joint(one, two, cost))
     taken: set[int] = set()
@@ -130,17 +131,6 @@ def _joints(shapes: list[Shape], settings: EditSettings) -> list[_Joint]:
             taken |= pair
             chosen.append(joint)
     return chosen
-
-
-def _bodies(shapes: list[Shape]) -> tuple[cKDTree, NDArray[np.intp]]:
-    """Points along all strokes, no farther than 1 px apart, and the stroke of each."""
-    control = [segments_of(shape.points) for shape in shapes]
-    owner, segments = np.repeat(np.arange(len(shapes)), [len(part) for part in control]), np.concatenate(control)
-    legs = np.linalg.norm(np.diff(segments, axis=1), axis=-1)
-    count = 1 + np.ceil(3.0 * legs.max(axis=1)).astype(np.intp)  # no speed exceeds three times the longest leg
-    which = np.repeat(np.arange(len(segments)), count)
-    within = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
-    return cKDTree(evaluate(segments[which], within / (count[which] - 1).clip(1))), owner[which]
 
 
 def _cost(one: _End, two: _End) -> float | None:
