@@ -9,15 +9,16 @@ from numpy.typing import NDArray
 
 from videovec.initialise.arrangement import Arrangement
 
-__all__ = ["END_FEATURES", "PAIR_FEATURES", "REGION_FEATURES", "TURN", "Features", "describe"]
+__all__ = ["END_FEATURES", "IS_RING", "LENGTH", "PAIR_FEATURES", "REGION_FEATURES", "TURN", "Features", "describe"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 END_FEATURES, PAIR_FEATURES, REGION_FEATURES = 15, 36, 8
 """How many numbers are told of each."""
-TURN = 11
-"""Which number of a pair is the angle, over half a turn, by which geometry goes."""
+TURN, LENGTH, IS_RING = 11, 23, 29
+"""Which numbers of a pair are the angle, over half a turn, by which geometry goes, the logarithm of 1 plus the length
+of its longer branch, and whether both ends are of one branch."""
 _CHORDS = ((0, 2), (1, 3), (1, 4), (2, 5), (3, 6))  # reaches between which the directions of ends are compared
 _FAR = 4.0  # of a turn, at most, and of other numbers without bound
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from videovec.errors import FitError
 from videovec.initialise.arrangement import Arrangement
-from videovec.initialise.junction_features import TURN, Features
+from videovec.initialise.junction_features import IS_RING, LENGTH, TURN, Features
 
 __all__ = ["CHECKSUM", "WEIGHTS", "JunctionNet", "load_nets", "prior", "read_nets", "score_pairs"]
 
@@ -21,9 +21,11 @@ Array = NDArray[np.float32]
 Ints = NDArray[np.intp]
 
 WEIGHTS = "junctions_fp16.safetensors"
-CHECKSUM = "752746c2e21d3927eaf5a755acab7ade3153640eb215eafb920fd32047857c74"
+CHECKSUM = "2ddb72a827549a9cd4dfb14bd6acf0ce86e99b03129c872c600059089ccb057e"
 _STRAIGHT = 1.0  # log-odds of a pair that goes straight on, times the cosine of its turn
 _ONWARD = 1.5  # log-odds of any pair: the drawings that the networks learned from end lines more often than others do
+_RING = 5.0  # units; a ring that is shorter is a hole in the ink of a rough line
+_HOLE = 12.0  # log-odds against its being closed
 _CLIPPED = 5.0  # standard deviations of the training set beyond which a number says no more
 
 
@@ -129,7 +131,8 @@ def _rectified(value: Array) -> Array:
 
 def prior(pairs: NDArray[np.float64]) -> NDArray[np.float64]:
     """What speaks for each pair before any network is asked. [P, 36] to [P]"""
-    return np.asarray(_ONWARD + _STRAIGHT * np.cos(np.pi * pairs[:, TURN]))
+    is_hole = (pairs[:, IS_RING] > 0.5) & (np.expm1(pairs[:, LENGTH]) < _RING)
+    return np.asarray(_ONWARD + _STRAIGHT * np.cos(np.pi * pairs[:, TURN]) - _HOLE * is_hole)
 
 
 def score_pairs(nets: tuple[JunctionNet, ...], drawn: Arrangement, features: Features) -> NDArray[np.float64]:
