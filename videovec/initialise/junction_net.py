@@ -24,7 +24,7 @@ WEIGHTS = "junctions_fp16.safetensors"
 CHECKSUM = "2ddb72a827549a9cd4dfb14bd6acf0ce86e99b03129c872c600059089ccb057e"
 _STRAIGHT = 1.0  # log-odds of a pair that goes straight on, times the cosine of its turn
 _ONWARD = 1.5  # log-odds of any pair: the drawings that the networks learned from end lines more often than others do
-_RING = 5.0  # units; a ring that is shorter is a hole in the ink of a rough line
+_RING = 6.5  # units; a ring that is shorter is a hole in the ink of a rough line
 _HOLE = 12.0  # log-odds against its being closed
 _CLIPPED = 5.0  # standard deviations of the training set beyond which a number says no more
 
