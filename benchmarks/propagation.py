@@ -2,11 +2,10 @@
 
     python benchmarks/propagation.py moved DIR [--every N] [--name CLIP ...]
     python benchmarks/propagation.py movies [--name MOVIE ...]
-    python benchmarks/propagation.py gifs FILE ... [--every N]
 
 ``moved`` chains the true strokes of the first drawing of each ``DIR/CLIP/gt.npz`` over all its drawings, then fits
-jointly. ``movies`` does the same with the movies of ``samples/``, whose truth knows what is hidden. ``gifs`` traces the
-first drawing itself and tells how much ink has no stroke and how many strokes have no ink. Prints tables in Markdown.
+jointly. ``movies`` does the same with the movies of ``samples/`` and with `foreshortened_movie`, whose truth knows what
+is hidden. Prints tables in Markdown.
 """
 
 from __future__ import annotations
@@ -21,8 +20,8 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
+from benchmarks.foreshortened import foreshortened_movie
 from samples.make_samples import ball_movie, cat_movie, occluder_movie, robot_movie, turning_movie
 from samples.scene import Line, Movie, paint
 from samples.truth import movie_truth
@@ -31,23 +30,17 @@ from videovec.clip import Clip, Timeline
 from videovec.clip_metrics import TrueStroke, score_clip
 from videovec.curves import arc_length, sample_by_arc
 from videovec.decode import decode
-from videovec.events import EventKind
-from videovec.fit import fit, judge
+from videovec.fit import fit
 from videovec.initialise import initialise
 from videovec.ink import Ink, extract_ink
-from videovec.progress import Silent
-from videovec.propagate import Propagated, make_target, propagate
-from videovec.render import resolve_backend
-from videovec.run import find_pipeline
-from videovec.settings import Config, FitSettings, InitialiseSettings, PropagateSettings, RenderSettings
+from videovec.propagate import Propagated, propagate
+from videovec.settings import Config, FitSettings, InitialiseSettings, PropagateSettings
 from videovec.strokes import Strokes
 
 Floats = NDArray[np.float64]
 
 NEAR = 2.0
 """Distance within which a point lies on its own true stroke. px"""
-FAR = 3.5
-"""Distance from which ink has no stroke, and a stroke no ink. px"""
 MOVIES: dict[str, Callable[[], Movie]] = {
     "turning 30": partial(turning_movie, 30.0),
     "turning 45": partial(turning_movie, 45.0),
@@ -55,6 +48,7 @@ MOVIES: dict[str, Callable[[], Movie]] = {
     "robot": robot_movie,
     "cat": cat_movie,
     "ball": ball_movie,
+    "foreshortened": foreshortened_movie,
 }
 
 
@@ -218,73 +212,8 @@ def report_movies(arguments: argparse.Namespace) -> None:
         )
 
 
-def unexplained(strokes: Strokes, ink: Ink) -> tuple[Floats, Floats]:
-    """Share of each drawing's ink without strokes, and of its stroke length without ink. [D] each"""
-    bare, empty = [], []
-    for drawing in range(ink.drawing_count):
-        target = make_target(ink.coverage[drawing], max(ink.size))
-        seen = [strokes.visible[row] for row in strokes.rows_at(drawing)]
-        points = [
-            _part(strokes.points_of(row), (float(v[0]), float(v[1])))
-            for row, v in zip(strokes.rows_at(drawing), seen, strict=True)
-            if v[1] > v[0]
-        ]
-        drawn = np.concatenate([np.zeros((0, 2)), *points])
-        gap = _gaps(target.points, drawn)
-        reach = np.maximum(FAR, target.half_width + 1)
-        bare.append(float(np.mean(gap > reach)) if len(gap) else 0.0)
-        empty.append(float(np.mean(target.distance_at(drawn) > FAR)) if len(drawn) else 0.0)
-    return np.array(bare), np.array(empty)
-
-
-def _part(points: Floats, visible: tuple[float, float]) -> Floats:
-    samples = sample_by_arc(points, max(16, round(arc_length(points))))
-    u = np.linspace(0, 1, len(samples))
-    return np.asarray(samples[(u >= visible[0]) & (u <= visible[1])])
-
-
-def _gaps(points: Floats, others: Floats) -> Floats:
-    return np.asarray(cKDTree(others).query(points)[0]) if len(others) else np.full(len(points), np.inf)
-
-
-def every_nth(clip: Clip, every: int) -> Clip:
-    """Some of a clip's drawings, each for one frame."""
-    drawings = clip.drawings[::every]
-    rate = clip.timeline.frame_rate
-    times = tuple(k / rate for k in range(len(drawings)))
-    numbers = np.arange(1, len(drawings) + 1)
-    return Clip(clip.name, drawings, Timeline(np.arange(len(drawings)), times, len(drawings) / rate, numbers))
-
-
-def report_gifs(arguments: argparse.Namespace) -> None:
-    """Clips without truth, from nothing."""
-    print(
-        "| clip, every k-th drawing | drawings | strokes | births | deaths | ink without strokes %, mean / worst "
-        "| strokes without ink %, mean / worst | PSNR median / worst "
-        "| s / drawing |\n|---|---|---|---|---|---|---|---|---|"
-    )
-    for path in arguments.files:
-        clip = every_nth(decode(path), arguments.every)
-        begin = time.process_time()
-        tracks = find_pipeline("solid")(clip, Config(), Silent())
-        seconds = (time.process_time() - begin) / len(clip.drawings)
-        ink = extract_ink(clip, Config().ink)
-        psnr = judge(ink, tracks.strokes, resolve_backend(RenderSettings())).psnr
-        bare, empty = unexplained(tracks.strokes, ink)
-        count = {kind: sum(e.kind == kind for e in tracks.events) for kind in EventKind}
-        print(
-            f"| {clip.name} {arguments.every} | {len(clip.drawings)} | {len(tracks.strokes)} "
-            f"| {count[EventKind.BIRTH]} | {count[EventKind.DEATH]} | {100 * bare.mean():.2f} / {100 * bare.max():.2f} "
-            f"| {100 * empty.mean():.2f} / {100 * empty.max():.2f} | {np.median(psnr):.1f} / {psnr.min():.1f} "
-            f"| {seconds:.2f} |",
-            flush=True,
-        )
-        if arguments.keep:
-            arguments.keep.mkdir(parents=True, exist_ok=True)
-            tracks.save(arguments.keep / f"{clip.name}_{arguments.every}.npz")
-
-
-def main() -> None:
+def main(arguments: list[str] | None = None) -> None:
+    """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     sections = parser.add_subparsers(required=True)
     moved = sections.add_parser("moved")
@@ -295,13 +224,8 @@ def main() -> None:
     movies = sections.add_parser("movies")
     movies.add_argument("--name", action="append", default=[])
     movies.set_defaults(report=report_movies)
-    gifs = sections.add_parser("gifs")
-    gifs.add_argument("files", nargs="+", type=Path)
-    gifs.add_argument("--every", type=int, default=1)
-    gifs.add_argument("--keep", type=Path, help="folder for the tracks")
-    gifs.set_defaults(report=report_gifs)
-    arguments = parser.parse_args()
-    arguments.report(arguments)
+    told = parser.parse_args(arguments)
+    told.report(told)
 
 
 if __name__ == "__main__":
