@@ -83,19 +83,20 @@ def judge(source: Source, target: Target, positions: Floats) -> Verdict:
         positions: Where the nodes were put. [N, 2] working px
 
     Returns:
-        The verdict; nodes that do not follow the ink count for nothing.
+        The verdict; nodes that do not follow the ink cost nothing, but ink at those that are held is explained.
     """
     counts = source.weight > 0
+    stands = counts | (source.hold > 0)
     bend = _bending(source, positions)
-    if not len(target) or not counts.any():
+    if not len(target) or not stands.any():
         nothing = np.full(len(positions), _TRUNCATION), np.full(len(target), _TRUNCATION)
         far = counts.copy(), np.ones(len(target), bool)
         return Verdict(2 * _TRUNCATION, *nothing, *far, bend)
     tangent = source.nodes.tangents(positions)
     dense, owner = between_nodes(source.nodes, positions)
-    features = np.concatenate([dense, _DIRECTION * doubled(tangent)[owner]], axis=1)[counts[owner]]
+    features = np.concatenate([dense, _DIRECTION * doubled(tangent)[owner]], axis=1)
+    own, features = features[: len(positions)][counts], features[stands[owner]]
     ink = np.concatenate([target.points, _DIRECTION * doubled(target.direction)], axis=1)
-    own = features[: int(counts.sum())]
     _, to_ink = nearest(own, ink, np.zeros(len(own), np.int64))
     _, to_node = nearest(ink, features, np.zeros(len(ink), np.int64))
     node_cost = np.zeros(len(positions))
@@ -103,8 +104,13 @@ def judge(source: Source, target: Target, positions: Floats) -> Verdict:
     ink_cost = np.minimum(np.sqrt(to_node), _TRUNCATION)
     _, gap = nearest(target.points, np.ascontiguousarray(features[:, :2]), np.zeros(len(ink), np.int64))
     node_far = counts & (target.distance_at(positions) > _FAR)
-    cost = float(node_cost[counts].mean() + ink_cost.mean() + _BENDING * np.sqrt(bend[counts].mean()))
+    cost = float(_mean(node_cost[counts]) + ink_cost.mean() + _BENDING * np.sqrt(_mean(bend[counts])))
     return Verdict(cost, node_cost, ink_cost, node_far, gap > _FAR**2, bend)
+
+
+def _mean(values: Floats) -> float:
+    """Nothing costs nothing."""
+    return float(values.mean()) if len(values) else 0.0
 
 
 def _bending(source: Source, positions: Floats) -> Floats:

@@ -15,7 +15,7 @@ from videovec.propagate.record import Interval
 from videovec.propagate.registration import doubled
 from videovec.propagate.target import Target, sample
 
-__all__ = ["SEEN", "Support", "find_support"]
+__all__ = ["SEEN", "Past", "Support", "find_support"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -66,13 +66,29 @@ class Support:
         return (self.shown | beyond).astype(np.float64)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Past:
+    """What is known of strokes before their ink is looked for.
+
+    Args:
+        most_seen: The most that was ever seen of each stroke, as arc fractions. [S, 2]
+        least: Share of each stroke that must lie on ink for it to be there. [S]
+        merged: Nodes that run together with others, of which any ink is as good as a centre line. bool [N]
+    """
+
+    most_seen: Floats
+    least: Floats
+    merged: Bools
+
+    @staticmethod
+    def unknown(nodes: Nodes) -> Past:
+        """Of strokes that may have been seen whole."""
+        count = len(nodes.bases)
+        return Past(np.tile([0.0, 1.0], (count, 1)), np.full(count, SEEN), np.zeros(len(nodes), bool))
+
+
 def find_support(
-    nodes: Nodes,
-    positions: Floats,
-    half_width: Floats,
-    target: Target,
-    most_seen: Floats | None = None,
-    least: Floats | None = None,
+    nodes: Nodes, positions: Floats, half_width: Floats, target: Target, past: Past | None = None
 ) -> Support:
     """Look for the ink of every stroke.
 
@@ -84,18 +100,20 @@ def find_support(
         positions: Where they are. [N, 2] working px
         half_width: Half-width of each stroke. [S] working px
         target: The drawing's ink.
-        most_seen: The most that was ever seen of each stroke, as arc fractions; all of it unless told. [S, 2]
-        least: Share of each stroke that must lie on ink for it to be there; `SEEN` unless told. [S]
+        past: What was known before.
 
     Returns:
         The support of each node and the seen parts of each stroke.
     """
+    past = past or Past.unknown(nodes)
     reach = np.maximum(_NEAR, 0.8 * half_width)[nodes.stroke]
     supported, chosen, bare = (np.zeros(len(nodes), bool) for _ in range(3))
     if len(target) and len(nodes):
         supported = target.distance_at(positions) <= reach
         chosen = _chosen(nodes, positions, reach, target)
         bare = sample(widened(target), positions) <= target.threshold
+        supported |= past.merged & ~bare
+        chosen |= past.merged & ~bare
     claimed = _spread(chosen, nodes)
     count = len(nodes.bases)
     share = np.zeros(count)
@@ -103,13 +121,12 @@ def find_support(
     for s, basis in enumerate(nodes.bases):
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
         share[s] = supported[own].mean()
-        main = _interval(supported[own], basis.is_closed, SEEN if least is None else float(least[s]))
+        main = _interval(supported[own], basis.is_closed, float(past.least[s]))
         if claimed[own][main[0] : main[1] + 1].sum() < _OWN * (main[1] + 1 - main[0]):
             main = 0, -1
         width = 2.0 * float(half_width[s]) / _spacing(positions[own])
         pieces.append(find_pieces(main, supported[own], bare[own], chosen[own], width))
-    known = np.tile([0.0, 1.0], (count, 1)) if most_seen is None else most_seen
-    visible = find_ends(nodes, positions, half_width, (pieces, known), target)
+    visible = find_ends(nodes, positions, half_width, (pieces, past.most_seen), target)
     return Support(supported, shown_nodes(nodes, pieces, visible), tuple(visible), share)
 
 
