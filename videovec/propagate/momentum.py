@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from videovec.propagate.nodes import Nodes
+from videovec.propagate.registration import Source
 
-__all__ = ["Momentum", "affine_part", "merged_nodes", "momentum_of"]
+__all__ = ["PATIENCE", "Momentum", "affine_part", "merged_nodes", "momentum_of"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+Ints = NDArray[np.intp]
 
 _GAP = 1.0
 """Width of bare paper between two lines below which they are one blot. working px"""
@@ -27,8 +29,10 @@ _AWAY = 3.0
 """How far along a stroke its own parts must lie from each other to be two lines, in distances at which they merge."""
 _MOST = 0.4
 """Share of a stroke's nodes that must run together with others for it to go on as it went."""
-_RIDGE = 6.0
-"""Spread of a stroke's nodes in a direction below which its change of size there is not believed. working px"""
+_SPREAD = 2.0
+"""Spread of a stroke's nodes in a direction up to which its change of size there is not believed. working px"""
+PATIENCE = 6
+"""For how many drawings a stroke may not be told apart before it is drawn to the ink again."""
 _STIFFNESS = 0.3
 """Of the pull of where a node is expected, against 1 of the ink's."""
 
@@ -39,37 +43,43 @@ class Momentum:
 
     Args:
         goal: Where nodes are expected. [N, 2] working px
-        moves: Whether a stroke goes on as it went. bool [S]
+        moves: Strokes that go on as they went. bool [S]
         merged: Nodes of such strokes that run together with others where they are expected. bool [N]
+        waits: For how many drawings strokes have not been told apart from others, with this one. int [S]
     """
 
     goal: Floats
     moves: Bools
     merged: Bools
+    waits: Ints
 
     def hold(self) -> Floats:
         """Stiffness with which nodes are held at the goal. [N]"""
-        return _STIFFNESS * self.merged
+        return np.where(self.merged, _STIFFNESS, 0.0)
+
+    def is_blind(self, own: slice) -> bool:
+        """Whether the ink says little of the stroke of some nodes."""
+        return bool(self.merged[own].mean() >= _MOST)
 
 
-def momentum_of(nodes: Nodes, now: Floats, drift: Floats, half_width: Floats, may: Bools) -> Momentum:
-    """Say which strokes go on as they went.
+def momentum_of(source: Source, drift: Floats, half_width: Floats, waited: Ints) -> Momentum:
+    """Say which strokes go on as they went: those that were told apart from others, but no longer are, or will not be.
 
     Args:
-        nodes: N nodes.
-        now: Where they are. [N, 2] working px
-        drift: How far each would go. [N, 2] working px
+        source: The strokes where they are.
+        drift: How far each node would go. [N, 2] working px
         half_width: Half-width of each stroke. [S] working px
-        may: Strokes that may go on without ink of their own. bool [S]
+        waited: For how many drawings each stroke has not been told apart. int [S]
 
     Returns:
         Their momentum.
     """
-    goal = now + drift
-    merged = merged_nodes(nodes, goal, half_width)
-    share = np.maximum(_shares(nodes, merged), _shares(nodes, merged_nodes(nodes, now, half_width)))
-    moves = may & (share >= _MOST)
-    return Momentum(goal, moves, merged & moves[nodes.stroke])
+    nodes, goal, drawn = source.nodes, source.rest + drift, source.weight > 0
+    merged = merged_nodes(nodes, goal, half_width, drawn)
+    is_blind = _shares(nodes, merged_nodes(nodes, source.rest, half_width, drawn)) >= _MOST
+    waits = np.where(is_blind, waited + 1, 0)
+    moves = (is_blind | (_shares(nodes, merged) >= _MOST)) & (waits < PATIENCE)
+    return Momentum(goal, moves, merged & moves[nodes.stroke], waits)
 
 
 def _shares(nodes: Nodes, values: Bools) -> Floats:
@@ -79,20 +89,21 @@ def _shares(nodes: Nodes, values: Bools) -> Floats:
     return np.asarray(np.bincount(nodes.stroke, values, minlength=count) / size)
 
 
-def merged_nodes(nodes: Nodes, positions: Floats, half_width: Floats) -> Bools:
+def merged_nodes(nodes: Nodes, positions: Floats, half_width: Floats, drawn: Bools) -> Bools:
     """Nodes beside which another line runs so near that there is no paper between. bool [N]
 
     Args:
         nodes: N nodes.
         positions: Where they are. [N, 2] working px
         half_width: Half-width of each stroke. [S] working px
+        drawn: Nodes in seen parts of their strokes. bool [N]
     """
     merged = np.zeros(len(nodes), bool)
     if not len(nodes):
         return merged
     width = half_width[nodes.stroke]
     pairs = cKDTree(positions).query_pairs(2.0 * float(width.max()) + _GAP, output_type="ndarray")
-    a, b = pairs.T
+    a, b = pairs[drawn[pairs].all(axis=1)].T
     tangent = nodes.tangents(positions)
     reach = width[a] + width[b] + _GAP
     beside = np.linalg.norm(positions[a] - positions[b], axis=1) <= reach
@@ -102,7 +113,7 @@ def merged_nodes(nodes: Nodes, positions: Floats, half_width: Floats) -> Bools:
     return merged
 
 
-def _along(nodes: Nodes, positions: Floats, a: NDArray[np.intp], b: NDArray[np.intp]) -> Floats:
+def _along(nodes: Nodes, positions: Floats, a: Ints, b: Ints) -> Floats:
     """How far along their stroke pairs of its nodes lie from each other. working px"""
     step = np.linalg.norm(positions[nodes.after] - positions, axis=1)
     run = np.concatenate([[0.0], np.cumsum(step)])
@@ -120,27 +131,6 @@ def affine_part(positions: Floats, velocity: Floats) -> Floats:
         velocity: How far each went. [n, 2] px
     """
     centred = positions - positions.mean(axis=0)
-    normal = centred.T @ centred + len(positions) * (_RIDGE**2 * 0.1) * np.eye(2)
+    normal = centred.T @ centred + len(positions) * _SPREAD**2 * np.eye(2)
     change = np.linalg.solve(normal, centred.T @ velocity)
     return np.asarray(velocity.mean(axis=0) + centred @ change)
-
-
-def stretched(nodes: Nodes, rest: Floats, positions: Floats, weight: Floats) -> Floats:
-    """Strokes at rest in the shape that they are seen in now: each mapped affinely. [N, 2] px"""
-    new = rest.copy()
-    for s in range(len(nodes.bases)):
-        own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
-        seen = weight[own] > 0
-        if seen.mean() < 0.9:
-            continue
-        middle, there = rest[own][seen].mean(0), positions[own][seen].mean(0)
-        a, b = rest[own][seen] - middle, positions[own][seen] - there
-        z, w = a @ np.array([1, 1j]), b @ np.array([1, 1j])
-        turn = np.vdot(z, w)
-        turn = turn / abs(turn) if abs(turn) > 1e-9 else 1.0
-        r = np.array([[turn.real, turn.imag], [-turn.imag, turn.real]])
-        a = a @ r
-        normal = a.T @ a + len(a) * _RIDGE**2 * np.eye(2)
-        change = np.linalg.solve(normal, a.T @ (b - a))
-        new[own] = there + ((rest[own] - middle) @ r) @ (np.eye(2) + change)
-    return new

@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.propagate.hypotheses import place, place_growing
-from videovec.propagate.momentum import Momentum, affine_part, momentum_of, stretched
+from videovec.propagate.momentum import PATIENCE, Momentum, affine_part, momentum_of
 from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
 from videovec.propagate.predict import Hold, predict_hidden
 from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
 from videovec.propagate.registration import SETTLE, SIMILAR, Source, recall, register, source_of
 from videovec.propagate.split import split_at_gaps
+from videovec.propagate.stretch import stretched
 from videovec.propagate.support import SEEN, Past, Support, find_support
 from videovec.propagate.target import Target
 from videovec.settings import PropagateSettings
@@ -26,8 +27,6 @@ Floats = NDArray[np.float64]
 
 _SHORT = 0.5
 """Share of a stroke up to which it may be seen on one drawing for any less of it to be the stroke on the next."""
-_PATIENCE = 6
-"""For how many drawings a stroke may not be told apart from others before it is drawn to the ink again."""
 
 
 @dataclass(slots=True, eq=False)
@@ -42,7 +41,7 @@ class Follower:
         unseen: For how many drawings nothing was seen of it.
         drift: How each node would go on; what an affine map says of the last step in which the stroke was told apart.
             [n, 2] working px
-        merged: For how many drawings it has not been told apart from others.
+        waited: For how many drawings it has not been told apart from others; at first it may never have been.
     """
 
     life: Life
@@ -51,7 +50,7 @@ class Follower:
     velocity: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     unseen: int = 0
     drift: Floats = field(default_factory=lambda: np.zeros((0, 2)))
-    merged: int = 0
+    waited: int = PATIENCE
 
     def half_width(self, drawing: int) -> float:
         """Mean half-width on a drawing. px"""
@@ -101,27 +100,21 @@ def carry(
     scale = targets[1].scale
     nodes = gather([follower.basis for follower in followers])
     rows = [follower.life.rows[before] for follower in followers]
-    points = np.concatenate([np.zeros((0, 2)), *(row.points for row in rows)])
-    shape = np.concatenate([np.zeros((0, 2)), *(follower.shape for follower in followers)])
-    here = source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows))
+    points = _stacked([row.points for row in rows])
     half_width = scale * np.array([follower.half_width(before) for follower in followers])
-    momentum = _momentum(followers, here, half_width)
-    source = here if grows else _going_on(recall(here, scale * shape), momentum)
-    velocity = np.concatenate([np.zeros((0, 2)), *(follower.velocity for follower in followers)])
+    here = source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows))
+    momentum = _momentum(followers, here, half_width, grows)
+    source = here if grows else _at_rest(followers, here, momentum, scale)
     find = place_growing if grows else place
-    loose, positions = find(source, targets[1], targets[0], velocity)
-    most_seen = np.array([follower.life.most_seen for follower in followers]).reshape(-1, 2)
-    least = np.array([0.0 if grows or 0.0 < row.seen <= _SHORT else SEEN for row in rows])
-    past = Past(most_seen, least, momentum.merged)
+    loose, positions = find(source, targets[1], targets[0], _stacked([f.velocity for f in followers]))
+    past = _past(followers, rows, momentum, grows)
     support = find_support(nodes, positions, half_width, targets[1], past)
     hold = predict_hidden([f.life for f in followers], nodes, positions, support, (before, after, scale))
-    is_still = grows and positions is source.rest
-    rest = source.rest
-    if not is_still and not grows:
-        rest = stretched(nodes, source.rest, positions, np.where(momentum.merged, 0.0, support.follows()))
-        loose = replace(loose, rest=rest)
+    rest, is_still = source.rest, grows and positions is source.rest
     if not is_still:
-        positions = _settle(loose, targets[1], positions, support, _held(hold, momentum))
+        if not grows:
+            rest = stretched(nodes, rest, positions, np.where(momentum.merged, 0.0, support.follows()))
+        positions = _settle(replace(loose, rest=rest), targets[1], positions, support, _held(hold, momentum))
         support = find_support(nodes, positions, half_width, targets[1], past)
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
     if not is_still:
@@ -133,38 +126,50 @@ def carry(
         follower.life.rows[after] = now.showing(support.visible[s])
         follower.shape = rest[own] / scale
         follower.velocity = positions[own] - source.rest[own]
-        _go_on(follower, positions[own] - here.rest[own], positions[own], bool(momentum.merged[own].mean() > 0.4))
         follower.unseen = 0 if support.visible[s] else follower.unseen + 1
+        _go_on(follower, positions[own], here.rest[own], momentum.is_blind(own))
+        follower.waited = int(momentum.waits[s])
     return Placement(nodes, positions, support, half_width)
 
 
-def _momentum(followers: list[Follower], here: Source, half_width: Floats) -> Momentum:
-    drift = np.concatenate([np.zeros((0, 2)), *(follower.drift for follower in followers)])
-    may = np.array([follower.merged < _PATIENCE and not follower.unseen for follower in followers], bool)
-    return momentum_of(here.nodes, here.rest, drift, half_width, may)
+def _stacked(parts: list[Floats]) -> Floats:
+    """Arrays of points as one. [N, 2]"""
+    return np.concatenate([np.zeros((0, 2)), *parts])
 
 
-def _going_on(source: Source, momentum: Momentum) -> Source:
-    """The source with strokes that go on as they went at rest where they are expected."""
-    rest = np.where(momentum.moves[source.nodes.stroke][:, None], momentum.goal, source.rest)
+def _past(followers: list[Follower], rows: list[Row], momentum: Momentum, grows: bool) -> Past:
+    most_seen = np.array([follower.life.most_seen for follower in followers]).reshape(-1, 2)
+    least = np.array([0.0 if grows or 0.0 < row.seen <= _SHORT else SEEN for row in rows])
+    return Past(most_seen, least, momentum.merged)
+
+
+def _momentum(followers: list[Follower], here: Source, half_width: Floats, grows: bool) -> Momentum:
+    """How strokes would go on; those that are followed back to their birth have nothing to go on from."""
+    waited = np.array([PATIENCE if grows else follower.waited for follower in followers], np.intp)
+    return momentum_of(here, _stacked([follower.drift for follower in followers]), half_width, waited)
+
+
+def _at_rest(followers: list[Follower], here: Source, momentum: Momentum, scale: float) -> Source:
+    """The strokes in their remembered shape; those that go on as they went are at rest where they are expected."""
+    source = recall(here, scale * _stacked([follower.shape for follower in followers]))
+    rest = np.where(momentum.moves[here.nodes.stroke][:, None], momentum.goal, source.rest)
     weight = np.where(momentum.merged, 0.0, source.weight)
     return replace(source, rest=rest, weight=weight, hold=momentum.hold(), goal=rest)
 
 
 def _held(hold: Hold, momentum: Momentum) -> Hold:
-    """What holds hidden nodes and those that are not told apart."""
+    """What holds hidden nodes, and those that are not told apart."""
     goal = np.where(momentum.merged[:, None], momentum.goal, hold.goal)
     return Hold(goal, np.where(momentum.merged, momentum.hold(), hold.stiffness))
 
 
-def _go_on(follower: Follower, step: Floats, positions: Floats, is_merged: bool) -> None:
-    """Remember how a stroke went: while it is not told apart, as before, but for where it is as a whole."""
-    if is_merged:
-        follower.merged += 1
+def _go_on(follower: Follower, now: Floats, before: Floats, is_blind: bool) -> None:
+    """Remember how a stroke went: while the ink says little of it, as before, but for where it is as a whole."""
+    step = now - before
+    if is_blind:
         follower.drift = follower.drift + step.mean(axis=0) - follower.drift.mean(axis=0)
     else:
-        follower.merged = 0
-        follower.drift = affine_part(positions, step)
+        follower.drift = affine_part(now, step)
 
 
 def _seen(nodes: Nodes, rows: list[Row]) -> Floats:
@@ -190,7 +195,7 @@ def _placed(followers: list[Follower], rows: list[Row], points: Floats, support:
 
 def _settle(source: Source, target: Target, positions: Floats, support: Support, hold: Hold) -> Floats:
     """Let go of nodes without ink, then allow local scale."""
-    weight = np.where(source.hold > 0, 0.0, support.follows())
+    weight = np.where(source.hold > 0, 0.0, support.follows())  # a source is held where ink tells nothing apart
     phases = (SIMILAR,) if np.array_equal(weight, source.weight) and weight.all() else (SETTLE, SIMILAR)
     source = replace(source, weight=weight, hold=hold.stiffness, goal=hold.goal)
     return register(source, target, positions, phases)
