@@ -113,7 +113,7 @@ def carry(
     rest, is_still = source.rest, grows and positions is source.rest
     if not is_still:
         if not grows:
-            rest = stretched(nodes, rest, positions, np.where(momentum.merged, 0.0, support.follows()))
+            rest = stretched(nodes, rest, positions, support.follows(), momentum.merged)
         positions = _settle(replace(loose, rest=rest), targets[1], positions, support, _held(hold, momentum))
         support = find_support(nodes, positions, half_width, targets[1], past)
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
