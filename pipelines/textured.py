@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from videovec.brush import fit_brushes, solidify
+from videovec.brush import bridge, fit_brushes, solidify
 from videovec.clip import Clip
 from videovec.fit import fit
 from videovec.initialise import initialise
@@ -23,8 +23,11 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     seed = start_drawing(clip, ink, config.initialise)
     begun = first_strokes(solid, seed, config)
     first = fit(solid.at_drawing(seed), begun, start_settings(config), config.render, progress)
-    carried = propagate(solid, first.finished().strokes.shifted(seed), config.propagate, trace, progress)
+    strokes = first.finished().strokes
     if not config.initialise.reference:  # an artist's strokes stay as they were drawn
+        strokes = bridge(strokes, ink.at_drawing(seed), config.fit.edits)
+    carried = propagate(solid, strokes.shifted(seed), config.propagate, trace, progress)
+    if not config.initialise.reference:
         carried = vote(solid, carried, seed, trace, progress)
     strokes = carried.strokes
     if ink.drawing_count > 1:  # a still was fitted already

@@ -12,7 +12,17 @@ import torch
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from videovec.brush import Brush, BrushModel, Laying, apply_brush, export_brush, fit_brush, looks_textured, solidify
+from videovec.brush import (
+    Brush,
+    BrushModel,
+    Laying,
+    apply_brush,
+    bridge,
+    export_brush,
+    fit_brush,
+    looks_textured,
+    solidify,
+)
 from videovec.brush.align import align, find_repeat
 from videovec.brush.paint import BrushTensors, find_pairs, paint
 from videovec.brush.prepare import shorten_segments
@@ -20,7 +30,7 @@ from videovec.brush.strips import Strip
 from videovec.curves import arc_length, sample_by_arc
 from videovec.errors import FitError
 from videovec.ink import Ink
-from videovec.settings import BrushSettings
+from videovec.settings import BrushSettings, EditSettings
 from videovec.strokes import Strokes
 
 Floats = NDArray[np.float64]
@@ -166,6 +176,24 @@ def test_one_brush_draws_a_clip_and_does_not_swim() -> None:
         assert signal_to_noise(pages[k], drawn) > 24
 
 
+def test_lines_that_boil_are_drawn_by_one_brush_that_begins_anywhere_on_each_drawing() -> None:
+    rng, still = np.random.default_rng(6), arcs(6)
+    strip, drawings = grain(144, 24, rng), 3
+    pages = np.stack([draw(still, strip, rng.uniform(0, 9, 6), 9.0) for _ in range(drawings)])
+    clip = _as_clip([shaken(still, 30 + k).at_drawing(0, k) for k in range(drawings)])
+    scores = []
+    for boil in (True, False):
+        found = fit_brush(ink_of(pages), clip, replace(QUICK, boil=boil))
+        layings = [found.laying.at_drawing(found.strokes.layout, k) for k in range(drawings)]
+        drawn = [
+            1 - apply_brush(found.brush, found.strokes.at_drawing(k, 0), (SIZE, SIZE), laying)[..., 0]
+            for k, laying in enumerate(layings)
+        ]
+        scores.append(signal_to_noise(pages, np.stack(drawn)))
+        assert (np.ptp(found.laying.shift) > 1) == boil
+    assert scores[0] > scores[1] + 4
+
+
 def _as_clip(rows: list[Strokes]) -> Strokes:
     """Strokes of one drawing each as strokes of one life."""
     from videovec.strokes import Layout
@@ -243,6 +271,28 @@ def test_alignment_finds_phase_and_direction_of_pieces_of_one_texture() -> None:
     assert found.score > 0.8
     is_turned = np.arange(8) % 3 == 0
     assert np.array_equal(found.sign < 0, is_turned) or np.array_equal(found.sign > 0, is_turned)
+
+
+def test_a_line_that_grain_parts_is_one_stroke_and_lines_that_a_drawn_gap_parts_are_two() -> None:
+    """Two ends 6 px apart, once with ink of a fifth between them as bare paper leaves it, once with none."""
+    ends = [np.linspace((12, 60), (80, 60), 4), np.linspace((86, 60), (160, 60), 4)]
+    strokes = Strokes.from_curves(ends, [np.full(2, 4.0)] * 2)
+    page = np.zeros((SIZE, SIZE))
+    page[56:64, 12:80] = page[56:64, 86:160] = 0.8
+    page[56:64, 80:86] = 0.8 * (np.random.default_rng(0).random((8, 6)) < 0.5)
+    assert len(bridge(strokes, ink_of(page[None]), EditSettings())) == 1
+    page[56:64, 76:90] = 0.0
+    apart = replace(strokes, points=strokes.points + np.repeat([[-4.0, 0.0], [4.0, 0.0]], 4, axis=0))
+    assert len(bridge(apart, ink_of(page[None]), EditSettings())) == 2
+
+
+def test_thin_lines_beside_dark_ones_survive_being_made_solid() -> None:
+    page = np.zeros((SIZE, SIZE))
+    page[40:160:12, 10:166] = 0.9
+    page[44:160:12, 10:166] = 0.3  # 3 px away: of a third of the ink
+    made = solidify(ink_of(page[None])).coverage[0]
+    assert (made[page == 0.3] > 127).all()
+    assert (made[42:160:12, 20:150] < 64).all()  # and nothing between
 
 
 def test_shortening_segments_keeps_the_curves() -> None:

@@ -184,6 +184,8 @@ class BrushSettings:
     """What the brush is taken for: auto, profile, texture or grain."""
     share: Annotated[str, OneOf(("clip", "ink"))] = "clip"
     """Who shares a brush: clip, all strokes; ink, those of one colour."""
+    boil: bool = False
+    """Whether lines boil: every drawing begins anywhere along the texture."""
     profile_steps: Annotated[int, Between(0)] = 150
     """Optimiser updates of strokes with a profile."""
     texture_steps: Annotated[int, Between(0)] = 200

@@ -1,6 +1,7 @@
 """Learned brushes: what textured lines are drawn with, learned from drawings, applied to strokes, given to artists."""
 
 from videovec.brush.apply import apply_brush, brush_coverage, draw_brushwork, solid_strokes, stroke_marks
+from videovec.brush.bridge import bridge
 from videovec.brush.choose import Evidence
 from videovec.brush.detect import TextureEvidence, looks_textured, propose_textured
 from videovec.brush.export_brush import brush_files, export_brush
@@ -20,6 +21,7 @@ __all__ = [
     "TextureEvidence",
     "TexturedFit",
     "apply_brush",
+    "bridge",
     "brush_coverage",
     "brush_files",
     "draw_brushwork",

@@ -105,12 +105,12 @@ class Folded:
             (np.fft.rfft(forth[1], axis=0).conj(), np.fft.rfft(back[1], axis=0).conj()),
         )
 
-    def best(self, template: Floats) -> tuple[int, int, float]:
-        """Direction (0 or 1), phase, and the drop in squared error where the template fits best."""
+    def best(self, template: Floats, ways: tuple[int, ...] = (0, 1)) -> tuple[int, int, float]:
+        """Direction (0 or 1, of those allowed), phase, and the drop in squared error where the template fits best."""
         columns = len(template)
         spectrum, square = np.fft.rfft(template, axis=0), np.fft.rfft(template * template, axis=0)
         found = []
-        for way in (0, 1):
+        for way in ways:
             product = 2 * spectrum * self.spectra[way] - square * self.weight_spectra[way]
             drop = np.fft.irfft(product.sum(1), columns)
             phase = int(np.argmax(drop))

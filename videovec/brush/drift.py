@@ -51,19 +51,22 @@ def textures_without(strips: list[Strip], found: Alignment) -> list[Floats]:
     return [(values - value) / (np.maximum(weights - weight, 0) + _RIDGE) for value, weight in parts]
 
 
-def lie_along(strip: Strip, texture: Floats, repeat: float) -> tuple[float, Floats, float]:
+def lie_along(
+    strip: Strip, texture: Floats, repeat: float, ways: tuple[int, ...] = (0, 1)
+) -> tuple[float, Floats, float]:
     """Where a stroke lies along a texture that is known.
 
     Args:
         strip: The stroke unrolled.
         texture: Grain, profile removed. [U, V]
         repeat: Length of the texture. Widths
+        ways: Directions that it may have: 0 along it, 1 against it.
 
     Returns:
         Direction of the stroke, offset of each texel [L] in widths, and the share of its grain explained.
     """
     folded = Folded.of(strip, repeat, len(texture))
-    way, phase, _ = folded.best(texture)
+    way, phase, _ = folded.best(texture, ways)
     sign = 1.0 if way == 0 else -1.0
     begin = phase * repeat / len(texture) + (0.0 if way == 0 else len(strip.grain) / TEXELS_PER_WIDTH)
     offset, share = _follow(strip, sign, np.full(len(strip.grain), begin), texture, repeat)

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.brush.align import Alignment
-from videovec.brush.choose import Evidence, Lean, grain_level, learn_shared, surest, weigh
+from videovec.brush.boil import apart, lay_boiling
+from videovec.brush.choose import Evidence, Lean, find_lean, grain_level, learn_shared, surest, weigh
 from videovec.brush.drift import texture_of
 from videovec.brush.gauge import centre_support, full_scale
 from videovec.brush.grain import measure_grain, synthesise_grain
@@ -83,19 +84,26 @@ def fit_brush(
     progress.stage("brush", settings.profile_steps + settings.texture_steps)
     strokes = shorten_segments(strokes, settings.longest_segment * mean_width(strokes))
     laid = fit_profile(strokes, ink.coverage, settings.profile_steps, progress)
-    strips = unroll(laid, ink.coverage)
+    boils = settings.boil and ink.drawing_count > 1 and not settings.brush
+    strips = unroll(apart(laid) if boils else laid, ink.coverage)
     if settings.brush:
         return _with_known(laid, strips, ink.coverage, settings, progress, rng)
     evidence, texture, lean = weigh(strips, laid.brush.width, settings, rng)
     progress.note(describe(evidence))
-    if evidence.model is BrushModel.TEXTURE:
+    if evidence.model is BrushModel.TEXTURE and boils:
+        laid = _with_boiling_texture(lay_boiling(laid, strips, texture), ink.coverage, settings, progress)
+    elif evidence.model is BrushModel.TEXTURE:
         laid, texture = _parted(laid, strips, texture, ink.coverage, settings)
         laid = _with_texture(laid, texture, ink.coverage, settings, progress)
     else:
+        lean = find_lean(unroll(laid, ink.coverage)) if boils else lean
         if lean.explained > settings.lean_share:
             laid = _with_lean(laid, lean, ink.coverage, settings, progress)
         if evidence.model is BrushModel.GRAIN:
             laid = _with_grain(laid, ink.coverage, rng)
+            if boils:
+                shift = rng.uniform(0, GRAIN_WIDTHS, len(laid.laying.shift))
+                laid = replace(laid, laying=replace(laid.laying, shift=shift))
     return BrushFit(laid.brush, laid.strokes, laid.laying, evidence, _ink_pixels(ink.coverage))
 
 
@@ -154,6 +162,13 @@ def _with_texture(
         laid = refine(laid, coverage, RefineSchedule(steps, 0.08, 0.01, phase=0.01), progress)
         if steps != last:
             laid = lay_again(laid, coverage)
+    return full_scale(laid.brush, laid)
+
+
+def _with_boiling_texture(laid: Laid, coverage: NDArray[np.uint8], settings: BrushSettings, progress: Progress) -> Laid:
+    """Fit texels, phases, the shifts of single drawings and strokes together."""
+    schedule = RefineSchedule(settings.texture_steps, 0.08, 0.01, phase=0.01, shift=0.01)
+    laid = refine(laid, coverage, schedule, progress)
     return full_scale(laid.brush, laid)
 
 

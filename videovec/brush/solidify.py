@@ -1,7 +1,7 @@
 """Textured ink made solid, so that it can be traced: grain is not lines.
 
 Blurred ink is held against half of its own local level, which is where the edge of a blurred stroke stays. The blur is
-the least one at which specks and pinholes no longer grow fewer.
+the least one at which specks and pinholes no longer grow fewer, of those that are small beside the lines.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ __all__ = ["blur_of", "solid_coverage", "solidify"]
 
 Image = NDArray[np.float32]
 
-_BLURS = (1.0, 1.4, 2.0, 2.8, 4.0)  # px
+_BLURS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)  # px
+_WIDEST = 0.3  # of the width of the blurred lines that the blur may be: more would swallow thin lines and those beside
 _FAINTEST = 0.12  # local level below which ink is not made up
 _EDGE = 0.5  # share of the local level at a stroke's edge
 _LOOK = 8  # drawings, at most, that the blur is chosen on
@@ -62,10 +63,12 @@ def _nearest_label(label: NDArray[np.uint8], seen: NDArray[np.uint8], is_plain: 
 
 
 def blur_of(ink: Ink) -> float:
-    """The least blur at which the ink has hardly more specks and pinholes than at any. px"""
+    """The least blur, of those that leave lines their width, with hardly more specks and pinholes than any. px"""
     which = np.unique(np.linspace(0, ink.drawing_count - 1, min(_LOOK, ink.drawing_count)).astype(int))
-    flaws = np.array([np.mean([_flaws(ink.coverage[page], blur) for page in which]) for blur in _BLURS])
-    return _BLURS[int(np.flatnonzero(flaws <= 1.5 * flaws.min() + 0.15)[0])]
+    looks = [np.mean([_look(ink.coverage[page], blur) for page in which], axis=0) for blur in _BLURS]
+    flaws, width = np.array(looks).T
+    fits = np.flatnonzero((np.array(_BLURS) <= _WIDEST * width) | (np.arange(len(_BLURS)) == 0))
+    return _BLURS[int(fits[flaws[fits] <= 1.5 * flaws[fits].min() + 0.15][0])]
 
 
 def solid_coverage(coverage: NDArray[np.uint8], blur: float) -> Image:
@@ -83,13 +86,13 @@ def _relative(coverage: NDArray[np.uint8], blur: float) -> Image:
     return np.asarray(blurred / np.maximum(level, _FAINTEST), dtype=np.float32)
 
 
-def _flaws(coverage: NDArray[np.uint8], blur: float) -> float:
-    """Specks and pinholes per 100 px of skeleton."""
+def _look(coverage: NDArray[np.uint8], blur: float) -> tuple[float, float]:
+    """Specks and pinholes per 100 px of skeleton, and the mean width of what is inside in px."""
     inside = (_relative(coverage, blur) > _EDGE).astype(np.uint8)
-    length = int((ximgproc.thinning(255 * inside) > 0).sum())
+    length = max(int((ximgproc.thinning(255 * inside) > 0).sum()), 1)
     largest = np.pi * (3 * blur + 2) ** 2
     count = 0
     for mask, connectivity in ((inside, 8), (1 - inside, 4)):
         _, _, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=connectivity)
         count += int((stats[1:, cv2.CC_STAT_AREA] < largest).sum())
-    return 100.0 * count / max(length, 1)
+    return 100.0 * count / length, float(inside.sum()) / length
