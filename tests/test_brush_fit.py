@@ -273,17 +273,15 @@ def test_alignment_finds_phase_and_direction_of_pieces_of_one_texture() -> None:
     assert np.array_equal(found.sign < 0, is_turned) or np.array_equal(found.sign > 0, is_turned)
 
 
-def test_a_line_that_grain_parts_is_one_stroke_and_lines_that_a_drawn_gap_parts_are_two() -> None:
-    """Two ends 6 px apart, once with ink of a fifth between them as bare paper leaves it, once with none."""
-    ends = [np.linspace((12, 60), (80, 60), 4), np.linspace((86, 60), (160, 60), 4)]
-    strokes = Strokes.from_curves(ends, [np.full(2, 4.0)] * 2)
+@pytest.mark.parametrize(("share", "strokes"), [(0.5, 1), (0.0, 2)])
+def test_a_gap_of_grain_is_bridged_and_a_gap_that_was_drawn_is_not(share: float, strokes: int) -> None:
+    """Two lines 8 px wide with 4 px between them, where half of the pixels hold ink or none does."""
+    ends = [np.linspace((12, 60), (80, 60), 4), np.linspace((92, 60), (160, 60), 4)]
     page = np.zeros((SIZE, SIZE))
-    page[56:64, 12:80] = page[56:64, 86:160] = 0.8
-    page[56:64, 80:86] = 0.8 * (np.random.default_rng(0).random((8, 6)) < 0.5)
-    assert len(bridge(strokes, ink_of(page[None]), EditSettings())) == 1
-    page[56:64, 76:90] = 0.0
-    apart = replace(strokes, points=strokes.points + np.repeat([[-4.0, 0.0], [4.0, 0.0]], 4, axis=0))
-    assert len(bridge(apart, ink_of(page[None]), EditSettings())) == 2
+    page[56:64, 8:84] = page[56:64, 88:164] = 0.8
+    page[56:64, 84:88] = 0.8 * (np.random.default_rng(1).random((8, 4)) < share)
+    two = Strokes.from_curves(ends, [np.full(2, 4.0)] * 2)
+    assert len(bridge(two, ink_of(page[None]), EditSettings())) == strokes
 
 
 def test_thin_lines_beside_dark_ones_survive_being_made_solid() -> None:
