@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -154,9 +155,11 @@ def main() -> None:
     parser.add_argument("--stills", type=Path)
     parser.add_argument("--clips", type=Path)
     parser.add_argument("--out", type=Path, default=Path("junctions_fp16.safetensors"))
+    parser.add_argument("--share", type=float, default=1.0, help="of the drawings to learn from, to try the script")
     given = parser.parse_args()
     if given.command == "train":
-        known = {kind: many for kind, many in TRAINED.items() if given.modules or kind in MADE}
+        share = {kind: (math.ceil(given.share * count), times) for kind, (count, times) in TRAINED.items()}
+        known = {kind: many for kind, many in share.items() if given.modules or kind in MADE}
         learn(known, given.modules, given.out)
         return
     tested = {kind: count for kind, count in TESTED.items() if given.modules or kind in MADE}
