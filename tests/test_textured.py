@@ -178,7 +178,8 @@ def test_the_preview_shows_source_texture_and_identities(folder: Path, tracks: S
 
 def test_edited_strokes_keep_their_brush(tracks: StrokeTracks) -> None:
     before = tracks.brushwork
-    after = tracks.drop(2).rename(3, 90).split(5, u=0.5).brushwork
+    dropped, renamed, parted = tracks.strokes.ids[[1, 2, 4]].tolist()
+    after = tracks.drop(dropped).rename(renamed, 90).split(parted, u=0.5).brushwork
     assert before is not None
     assert after is not None
     assert len(after.chosen) == len(tracks)
