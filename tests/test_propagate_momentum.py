@@ -61,10 +61,10 @@ def test_a_squeeze_is_shape_and_a_dent_is_not() -> None:
     np.testing.assert_allclose(stretched(nodes, rest, squeezed, everything, apart), squeezed, atol=0.5)
     np.testing.assert_allclose(stretched(nodes, rest, dented, everything, apart), squeezed, atol=1.0)
     np.testing.assert_array_equal(stretched(nodes, rest, squeezed, everything, ~apart), rest)
-    half = (rest[:, 0] > 80).astype(float)  # too little is seen to know its shape, but not where it is
-    shifted = stretched(nodes, rest, squeezed + 7.0, half, apart)
-    np.testing.assert_allclose(np.ptp(shifted, axis=0), np.ptp(rest, axis=0), atol=0.1)
-    assert np.abs(shifted[half > 0] - squeezed[half > 0] - 7.0).mean() < 3.0
+    half = (rest[:, 0] > 80).astype(float)  # too little is seen to know its shape
+    np.testing.assert_array_equal(stretched(nodes, rest, squeezed, half, apart), rest)
+    bent = rest + np.where(rest[:, 1:] > 120, [6.0, 0.0], 0.0)  # a bend of a part is no squeeze of the whole
+    np.testing.assert_array_equal(stretched(nodes, rest, bent, everything, apart), rest)
 
 
 def disc(turn: float) -> list[Floats]:
@@ -73,11 +73,11 @@ def disc(turn: float) -> list[Floats]:
 
 
 def test_a_disc_that_turns_on_edge_and_on_keeps_its_rings() -> None:
-    drawings = [disc(turn) for turn in np.linspace(0.9, 2.24, 9)]
+    drawings = [disc(turn) for turn in np.linspace(0.9, 2.24, 11)]
     first = Strokes.from_curves(drawings[0], [np.full(5, 1.5)] * 2, is_closed=[True, True])
     strokes = run(ink_of([draw(curves) for curves in drawings]), first).strokes
     assert len(strokes) == 2
     for s, curve in enumerate(drawings[-1]):
-        found = sample_by_arc(strokes.points_of(strokes.row(s, 8)), 200)
+        found = sample_by_arc(strokes.points_of(strokes.row(s, 10)), 200)
         gap = np.linalg.norm(sample_by_arc(curve, 50)[:, None] - found, axis=2).min(axis=1)
         assert gap.max() < 1.5

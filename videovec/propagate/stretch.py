@@ -14,15 +14,15 @@ Bools = NDArray[np.bool_]
 
 _SEEN = 0.9
 """Share of a stroke's nodes that must follow the ink for its shape to be known."""
-_FEWEST = 3
-"""Seen nodes from which it can be told how a stroke moved; if there are fewer, hidden ones are believed too."""
+_EXPLAINED = 0.5
+"""Share of the squared misfit of a stroke that only turned which a change of size may leave for it to be believed."""
 _AS_COMPLEX = np.array([1.0, 1.0j])
 _SPREAD = 6.0
 """Spread of a stroke's nodes in a direction up to which its change of size there is not believed. working px"""
 
 
 def stretched(nodes: Nodes, rest: Floats, positions: Floats, follows: Floats, merged: Bools) -> Floats:
-    """Bring strokes at rest to where they are now, in the affine part of the shape that they have there.
+    """Give strokes at rest, where they are, the affine part of the shape that they have now.
 
     Rigidity holds a disc that turns on edge round, and dents it at its sides; a disc that was squeezed as a whole has
     no reason to be dented.
@@ -32,35 +32,34 @@ def stretched(nodes: Nodes, rest: Floats, positions: Floats, follows: Floats, me
         rest: Where they are at rest. [N, 2] working px
         positions: Where registration put them. [N, 2] working px
         follows: 1 for nodes that follow the ink, else 0. [N]
-        merged: Nodes that the ink does not tell apart from others'; strokes with many of them are at rest already
-            where they are expected. bool [N]
+        merged: Nodes that the ink does not tell apart from others'. bool [N]
 
     Returns:
-        Where they are at rest now; strokes of which too little is seen keep their shape. [N, 2] working px
+        Where they are at rest now; strokes of which too little is seen are as they were. [N, 2] working px
     """
     new = rest.copy()
     for start, stop in zip(nodes.starts[:-1], nodes.starts[1:], strict=True):
         own = slice(int(start), int(stop))
-        if merged[own].mean() > 1.0 - _SEEN:
-            continue
         seen = (follows[own] > 0) & ~merged[own]
-        share = float(seen.mean())
-        if seen.sum() < _FEWEST:
-            seen = np.ones(len(seen), bool)
-        new[own] = _brought(rest[own], positions[own], seen, share >= _SEEN)
+        if seen.mean() >= _SEEN:
+            new[own] = _changed(rest[own], positions[own], seen)
     return new
 
 
-def _brought(rest: Floats, positions: Floats, seen: Bools, may_change: bool) -> Floats:
-    """One stroke, turned and shifted, and changed in size, more so in directions in which it is wide."""
-    middle, there = rest[seen].mean(axis=0), positions[seen].mean(axis=0)
-    z = (rest - middle) @ _AS_COMPLEX
-    after = positions[seen] - there
-    turn = np.vdot(z[seen], after @ _AS_COMPLEX)
-    z = z * (turn / abs(turn) if abs(turn) > 0 else 1.0)
-    turned = np.stack([z.real, z.imag], axis=1)
-    if may_change:
-        before = turned[seen]
-        normal = before.T @ before + len(before) * _SPREAD**2 * np.eye(2)
-        turned = turned + turned @ np.linalg.solve(normal, before.T @ (after - before))
-    return np.asarray(there + turned)
+def _changed(rest: Floats, positions: Floats, seen: Bools) -> Floats:
+    """One stroke changed in size, more so in directions in which it is wide, if that is what happened to it."""
+    middle = rest[seen].mean(axis=0)
+    before = rest[seen] - middle
+    after = _turned_back(before, positions[seen] - positions[seen].mean(axis=0))
+    normal = before.T @ before + len(before) * _SPREAD**2 * np.eye(2)
+    change = np.linalg.solve(normal, before.T @ (after - before))
+    left, whole = np.square(after - before - before @ change).sum(), np.square(after - before).sum()
+    return np.asarray(rest + (rest - middle) @ change) if left <= _EXPLAINED * whole else rest
+
+
+def _turned_back(before: Floats, after: Floats) -> Floats:
+    """Vectors without the rotation that best takes others to them."""
+    z = after @ _AS_COMPLEX
+    turn = np.vdot(before @ _AS_COMPLEX, z)
+    z = z * (np.conj(turn) / abs(turn) if abs(turn) > 0 else 1.0)
+    return np.stack([z.real, z.imag], axis=1)
