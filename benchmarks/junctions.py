@@ -1,7 +1,7 @@
 """Which branches of a junction are one stroke: train the network that decides it, and compare it with geometry.
 
-    python benchmarks/junctions.py train --modules node_modules --out FILE
-    python benchmarks/junctions.py test --modules node_modules [--stills DIR] [--clips DIR]
+    PYTHONPATH=. python benchmarks/junctions.py train --modules node_modules --out FILE
+    PYTHONPATH=. python benchmarks/junctions.py test --modules node_modules [--stills DIR] [--clips DIR]
 
 ``train`` draws figures and scenes whose outlines hide each other, and takes drawings of the training collections; it
 writes the weights and says their sha256. ``test`` asks both about the junctions of drawings that training never saw:
