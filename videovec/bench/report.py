@@ -43,7 +43,7 @@ SUPPLEMENT = {
 """Tables 1 and 2, "Ours": Chamfer px, length difference %, strokes (mean), LPIPS e-3, PSNR dB, SSIM e-2."""
 
 _HEAD = (
-    f"{'set':<14}{'method':<24}{'ok %':>5}{'strokes/true':>14}{'segm.':>7}{'Chamfer':>9}{'length %':>9}"
+    f"{'set':<16}{'method':<24}{'ok %':>5}{'strokes/true':>14}{'segm.':>7}{'Chamfer':>9}{'length %':>9}"
     f"{'LPIPS e-3':>10}{'PSNR':>7}{'SSIM e-2':>9}{'c90':>6}{'strict':>7}{'fragm.':>7}{'merges':>7}{'s':>6}"
 )
 
@@ -62,7 +62,7 @@ def _row(scores: Sequence[StillScore]) -> str:
 
     counts = f"{sum(score.strokes for score in scores)}/{sum(score.true_strokes for score in scores)}"
     return (
-        f"{f'{first.set_name} {first.size}':<14}{first.method:<24}{100 * len(good) / len(scores):>5.0f}{counts:>14}"
+        f"{f'{first.set_name} {first.size}':<16}{first.method:<24}{100 * len(good) / len(scores):>5.0f}{counts:>14}"
         f"{sum(score.segments for score in scores):>7}{_figure(median('chamfer'), 3, 9)}"
         f"{_figure(100 * median('length_difference'), 2, 9)}{_figure(1e3 * median('lpips'), 2, 10)}"
         f"{_figure(median('psnr'), 2, 7)}{_figure(100 * median('ssim'), 2, 9)}{_figure(median('covered'), 2, 6)}"
@@ -78,7 +78,7 @@ def _supplement_row(set_name: str, size: int) -> str | None:
         return None
     distance, length, count, lpips, psnr, ssim = row
     return (
-        f"{f'{kind} {size}':<14}{'supplement, ours':<24}{100:>5}{count:>14.2f}{'-':>7}{distance:>9.2f}{length:>9.2f}"
+        f"{f'{kind} {size}':<16}{'supplement, ours':<24}{100:>5}{count:>14.2f}{'-':>7}{distance:>9.2f}{length:>9.2f}"
         f"{lpips:>10.2f}{psnr:>7.2f}{ssim:>9.2f}"
     )
 
