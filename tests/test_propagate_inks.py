@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from test_propagate import FAST, FIGURE, arc, draw, line, strokes_of, turned
+from test_propagate import FAST, FIGURE, arc, draw, ink_of, kinds, line, strokes_of, turned
 
 from videovec.events import EventKind
 from videovec.initialise import initialise
@@ -52,15 +52,24 @@ def test_an_ink_that_comes_late_is_traced_when_it_comes() -> None:
     np.testing.assert_allclose(carried.strokes.color[2:], [BLUE, BLUE])
 
 
-def test_one_ink_that_changes_altogether_is_no_cut_but_all_of_them_are() -> None:
-    shapes = [arc(x, y, 18, a, a + 85) for x in (30, 80, 130) for y in (30, 80, 130) for a in (0, 95, 190)]
-    still, other = draw(FIGURE), draw(shapes)
+SHAPES = [arc(x, y, 18, a, a + 85) for x in (30, 80, 130) for y in (30, 80, 130) for a in (0, 95, 190)]
+
+
+def test_one_ink_that_changes_altogether_is_no_cut_though_it_would_be_one_alone() -> None:
+    frame = [line(14, 5, 146, 5), line(14, 155, 146, 155), line(5, 14, 5, 146), line(155, 14, 155, 146)]
+    red = [draw(FIGURE)] * 2 + [draw(SHAPES)] * 2
+    trace = partial(initialise, settings=InitialiseSettings())
+    assert kinds(propagate(ink_of(red), strokes_of(FIGURE), FAST, trace), EventKind.CUT) == [2]
+    first = painted(strokes_of([*frame, *FIGURE]), [BLUE] * 4 + [RED] * 4)
+    together = propagate(two_inks(red, [draw(frame)] * 4), first, FAST, trace)
+    assert not kinds(together, EventKind.CUT)
+    assert together.strokes.layout.last[:4].tolist() == [3, 3, 3, 3]
+
+
+def test_where_the_larger_part_of_all_ink_changes_altogether_there_is_a_cut() -> None:
     red = [draw([line(10, 150, 60, 150)])] * 2 + [draw([arc(130, 20, 12, 0, 80)])] * 2
     first = painted(strokes_of([*FIGURE, line(10, 150, 60, 150)]), [BLUE] * 4 + [RED])
-    trace = partial(initialise, settings=InitialiseSettings())
-    alone = propagate(two_inks(red, [still] * 4), first, FAST, trace)
-    assert not [event for event in alone.events if event.kind == EventKind.CUT]
-    assert alone.strokes.layout.last[:4].tolist() == [3, 3, 3, 3]
-    both = propagate(two_inks(red, [still] * 2 + [other] * 2), first, FAST, trace)
-    assert [event.drawing for event in both.events if event.kind == EventKind.CUT] == [2]
+    blue = [draw(FIGURE)] * 2 + [draw(SHAPES)] * 2
+    both = propagate(two_inks(red, blue), first, FAST, partial(initialise, settings=InitialiseSettings()))
+    assert kinds(both, EventKind.CUT) == [2]
     assert both.strokes.layout.last[:5].tolist() == [1, 1, 1, 1, 1]
