@@ -11,7 +11,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from videovec.propagate.judge import Verdict, judge
-from videovec.propagate.registration import COARSE, FINE, RIGID, Source, register
+from videovec.propagate.registration import COARSE, FINE, RIGID, Source, parted, register
 from videovec.propagate.search import find_motions, scene_of
 from videovec.propagate.target import Target, sample
 
@@ -34,6 +34,8 @@ _LEAP = 2.5
 """How far a part may be found again, in sizes of the part."""
 _LEAP_PAGE = 0.08
 """How far any part may be found again, in long edges of the page."""
+_FAST = 6.0
+"""Motion of a node in the last step from which on it is also begun from where that leads. px"""
 _LEFT = 12
 """Centre-line pixels without strokes that are worth a search."""
 _TOUCH = 6.0
@@ -61,6 +63,8 @@ def place(source: Source, target: Target, before: Target, velocity: Floats) -> t
     """
     positions = register(source, target, source.rest, (RIGID,))
     verdict = judge(source, target, positions)
+    if len(target) and np.abs(velocity).max(initial=0.0) > _FAST:
+        positions, verdict = _as_before(source, target, velocity, (positions, verdict))
     if not verdict.is_accepted(_ACCEPT):
         positions, verdict = _best_start(source, target, before, velocity, (positions, verdict))
     if _is_settled(source, verdict):
@@ -81,6 +85,16 @@ def place_growing(source: Source, target: Target, before: Target, velocity: Floa
     if len(target) and judge(source, target, positions).ink_far.mean() <= 2 * _ACCEPT:
         return source, positions
     return place(source, target, before, velocity)
+
+
+def _as_before(
+    source: Source, target: Target, velocity: Floats, best: tuple[Floats, Verdict]
+) -> tuple[Floats, Verdict]:
+    """Try whether everything moves on as in the last step: what passes before the rest must not drag it along."""
+    start = source.rest + velocity
+    positions = register(parted(source, start), target, start, (FINE,))
+    verdict = judge(source, target, positions)
+    return (positions, verdict) if verdict.cost < best[1].cost else best
 
 
 def _best_start(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.propagate.covered import find_covered
 from videovec.propagate.kernels import nearest, rotations
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.registration import Source, doubled
@@ -27,6 +28,12 @@ _BENDING = 0.3
 """Weight of the root of the deformation energy; without it a crumpled stroke would win."""
 _BENT = 1.0
 """Deformation at which strokes that have ink may be crumpled. px"""
+_REACH = 2
+"""Nodes on either side of the one that ink has chosen that it claims too."""
+_COVERED = 3.0
+"""What a node costs at most that lies under something, and at least that lies on the ink of another stroke. px"""
+_APART = 4.0
+"""Motion of strokes against each other that costs half of what bending does; no motion costs more than this one. px"""
 _STIFFNESS = (1.0, 0.05)
 """Of edges along and between strokes, in the deformation energy."""
 
@@ -98,14 +105,28 @@ def judge(source: Source, target: Target, positions: Floats) -> Verdict:
     own, features = features[: len(positions)][counts], features[stands[owner]]
     ink = np.concatenate([target.points, _DIRECTION * doubled(target.direction)], axis=1)
     _, to_ink = nearest(own, ink, np.zeros(len(own), np.int64))
-    _, to_node = nearest(ink, features, np.zeros(len(ink), np.int64))
+    chosen, to_node = nearest(ink, features, np.zeros(len(ink), np.int64))
     node_cost = np.zeros(len(positions))
     node_cost[counts] = np.minimum(np.sqrt(to_ink), _TRUNCATION)
     ink_cost = np.minimum(np.sqrt(to_node), _TRUNCATION)
     _, gap = nearest(target.points, np.ascontiguousarray(features[:, :2]), np.zeros(len(ink), np.int64))
     node_far = counts & (target.distance_at(positions) > _FAR)
+    covered = find_covered(source.nodes, positions, node_far, target)
+    node_cost[covered] = np.minimum(node_cost[covered], _COVERED)
+    is_own = claimed(owner[stands[owner]][chosen], source.nodes)
+    node_cost[counts & ~is_own] = np.maximum(node_cost[counts & ~is_own], _COVERED)
+    node_far &= ~covered
     cost = float(_mean(node_cost[counts]) + ink_cost.mean() + _BENDING * np.sqrt(_mean(bend[counts])))
     return Verdict(cost, node_cost, ink_cost, node_far, gap > _FAR**2, bend)
+
+
+def claimed(chosen: NDArray[np.intp], nodes: Nodes) -> Bools:
+    """Nodes that some ink chose as its nearest, and their neighbours. bool [N]"""
+    is_own = np.zeros(len(nodes), bool)
+    is_own[chosen] = True
+    for _ in range(_REACH):
+        is_own = is_own | is_own[nodes.before] | is_own[nodes.after]
+    return is_own
 
 
 def _mean(values: Floats) -> float:
@@ -121,5 +142,7 @@ def _bending(source: Source, positions: Floats) -> Floats:
     rest, now = source.rest[index] - source.rest[own], positions[index] - positions[own]
     re, im = turn[own, 0], turn[own, 1]
     turned = np.stack([re * rest[:, 0] - im * rest[:, 1], im * rest[:, 0] + re * rest[:, 1]], axis=1)
-    energy = weight * ((now - turned) ** 2).sum(axis=1)
+    squared = ((now - turned) ** 2).sum(axis=1)
+    apart = _STIFFNESS[1] * source.across / (1.0 + squared / _APART**2)
+    energy = (_STIFFNESS[0] * source.along + apart) * squared
     return np.asarray(np.bincount(own, energy, minlength=len(positions)), np.float64)

@@ -31,6 +31,10 @@ _LEAP = 16.0
 """Motion between two drawings up to which a prediction is believed. working px"""
 _OWN = 0.5
 """Say of a stroke's own seen nodes, which may have slid along it."""
+_STEPS = 3
+"""Steps before a stroke was hidden in which what moved otherwise is told from what moved alike."""
+_OTHERWISE = 6.0
+"""Motion against a stroke, in one step, at which another has a quarter of its say. px"""
 _FEWEST = 4.0
 """Sum of says below which nothing is known."""
 _SEEN, _UNSEEN = 0.1, 0.4
@@ -78,7 +82,8 @@ def predict_hidden(
             continue
         then = _nodes_at(lives, nodes, home, scale)
         guess = scale * nodes.bases[s].weights @ life.rows[before].points
-        motion = _common_motion(then, positions, (follows & support.node, own), guess)
+        alike = _moved_alike(lives, s, home)[nodes.stroke]
+        motion = _common_motion(then, positions, (follows & support.node, own), (guess, alike))
         if motion is None:
             continue
         z = motion[0] * _complex(then[own]) + motion[1]
@@ -113,18 +118,42 @@ def _nodes_at(lives: list[Life], nodes: Nodes, drawing: int, scale: float) -> Fl
     return then
 
 
+def _moved_alike(lives: list[Life], stroke: int, home: int) -> Floats:
+    """How far strokes moved as one of them did in the steps before it was hidden: 1 as it did, 0 otherwise. [S]"""
+    alike = np.ones(len(lives))
+    rows = lives[stroke].rows
+    for step in (-1, 1):
+        for k in range(_STEPS):
+            a, b = home + step * (k + 1), home + step * k
+            if a not in rows or b not in rows or min(rows[a].seen, rows[b].seen) < _WHOLE * rows[home].seen:
+                break
+            own = rows[b].points.mean(0) - rows[a].points.mean(0)
+            for t, other in enumerate(lives):
+                if a in other.rows and b in other.rows and other.rows[a].parts and other.rows[b].parts:
+                    gap = np.linalg.norm(other.rows[b].points.mean(0) - other.rows[a].points.mean(0) - own)
+                    alike[t] = min(alike[t], 1.0 / (1.0 + (float(gap) / _OTHERWISE) ** 2) ** 2)
+    return alike
+
+
 def _common_motion(
-    then: Floats, now: Floats, who: tuple[NDArray[np.bool_], slice], guess: Floats
+    then: Floats, now: Floats, who: tuple[NDArray[np.bool_], slice], hints: tuple[Floats, Floats]
 ) -> tuple[complex, complex] | None:
-    """Factor and shift of the similarity by which a stroke and what agrees with it have moved."""
-    seen, own = who
+    """Factor and shift of the similarity by which a stroke and what agrees with it have moved.
+
+    Args:
+        then: Where all nodes were; NaN if that is not known. [N, 2] working px
+        now: Where they are. [N, 2] working px
+        who: Nodes that are seen [N], and those of the stroke.
+        hints: A guess at where the stroke is [n, 2] working px, and how much each node has a say [N].
+    """
+    (seen, own), (guess, alike) = who, hints
     known = seen & np.isfinite(then[:, 0])
     is_own = np.zeros(len(then), bool)
     is_own[own] = True
     target = then[own]
     low, high = target.min(axis=0), target.max(axis=0)
     gap = np.linalg.norm(np.maximum(0.0, np.maximum(low - then[known], then[known] - high)), axis=1)
-    say = np.where(is_own[known], _OWN, 1.0 / (1.0 + (gap / _RANGE) ** 2))
+    say = np.where(is_own[known], _OWN, alike[known] / (1.0 + (gap / _RANGE) ** 2))
     a, b = _complex(then[known]), _complex(now[known])
     factor, shift = _similarity(_complex(target), _complex(guess), np.ones(len(target)))
     for tolerance in _TOLERANCES:

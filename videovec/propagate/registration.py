@@ -25,6 +25,7 @@ __all__ = [
     "Phase",
     "Source",
     "doubled",
+    "parted",
     "recall",
     "register",
     "source_of",
@@ -43,6 +44,8 @@ _CROSS_REACH = 12.0
 """Distance at which an edge between strokes has half of its stiffness. px"""
 _RECALL = 0.3
 """Pull of where strokes are against their remembered shape: bends of less than some eight nodes are learned slowly."""
+_PARTED = 4.0
+"""Motion of two strokes against each other at which the ties between them have a quarter of their stiffness. px"""
 _SOLVES = 2
 _ITERATIONS = 40
 
@@ -175,6 +178,26 @@ def recall(source: Source, shape: Floats) -> Source:
     pull, rhs = np.full((len(source.rest), 1), _RECALL) * (1.0, 0.0, 1.0), _RECALL * source.rest
     rest = relax(source.rest, shape, source.stiffness(1.0, 0.0), (pull, rhs), SIMILAR.scale, _ITERATIONS)
     return replace(source, rest=rest, goal=rest)
+
+
+def parted(source: Source, positions: Floats) -> Source:
+    """Loosen the ties between strokes that went different ways, such as one that passes before another.
+
+    Args:
+        source: The strokes at rest.
+        positions: Where they went. [N, 2] working px
+
+    Returns:
+        The source with less stiffness across where its rest, turned along, does not lead to the positions.
+    """
+    if not len(source.rest):
+        return source
+    turn = rotations(positions, source.rest, *source.stiffness(1.0, 0.05), 1.0, 1.0)
+    own = np.repeat(np.arange(len(source.rest)), np.diff(source.indptr))
+    (x, y), (cos, sin) = (source.rest[source.index] - source.rest[own]).T, turn[own].T
+    led = np.stack([cos * x - sin * y, sin * x + cos * y], axis=1)
+    gap = np.linalg.norm(positions[source.index] - positions[own] - led, axis=1)
+    return replace(source, across=source.across / (1.0 + (gap / _PARTED) ** 2) ** 2)
 
 
 def _edges_between(positions: Floats) -> NDArray[np.intp]:

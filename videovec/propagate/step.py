@@ -13,7 +13,7 @@ from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
 from videovec.propagate.predict import Hold, predict_hidden
 from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
-from videovec.propagate.registration import SETTLE, SIMILAR, Source, recall, register, source_of
+from videovec.propagate.registration import SETTLE, SIMILAR, Source, parted, recall, register, source_of
 from videovec.propagate.split import split_at_gaps
 from videovec.propagate.stretch import stretched
 from videovec.propagate.support import SEEN, Past, Support, find_support
@@ -57,12 +57,21 @@ class Follower:
         return float(self.life.rows[drawing].half_width.mean())
 
 
-def follow(life: Life, drawing: int, spacing: float) -> Follower:
-    """Begin to follow a life from one of its drawings."""
+def follow(life: Life, drawing: int, spacing: float, scale: float = 1.0, before: int | None = None) -> Follower:
+    """Begin to follow a life from one of its drawings.
+
+    Args:
+        life: The life.
+        drawing: One on which it has a row.
+        spacing: Distance between its nodes. px
+        scale: Working px for each px.
+        before: The drawing that was walked over last; if the life has a row there, it goes on from there.
+    """
     points = life.rows[drawing].points
     basis = basis_of(points, spacing, life.is_closed)
-    still = np.zeros((len(basis.u), 2))
-    return Follower(life, basis, basis.weights @ points, still, drift=still)
+    shape, still = basis.weights @ points, np.zeros((len(basis.u), 2))
+    velocity = scale * (shape - basis.weights @ life.rows[before].points) if before in life.rows else still
+    return Follower(life, basis, shape, velocity, drift=still)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,9 +114,10 @@ def carry(
     here = source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows))
     momentum = _momentum(followers, here, half_width, grows)
     source = here if grows else _at_rest(followers, here, momentum, scale)
+    velocity = _stacked([follower.velocity for follower in followers])
     find = place_growing if grows else place
-    loose, positions = find(source, targets[1], targets[0], _stacked([f.velocity for f in followers]))
-    past = _past(followers, rows, momentum, grows)
+    loose, positions = find(source, targets[1], targets[0], velocity)
+    past = _past(followers, rows, (momentum, source.rest + velocity), grows)
     support = find_support(nodes, positions, half_width, targets[1], past)
     hold = predict_hidden([f.life for f in followers], nodes, positions, support, (before, after, scale))
     rest, is_still = source.rest, grows and positions is source.rest
@@ -137,10 +147,11 @@ def _stacked(parts: list[Floats]) -> Floats:
     return np.concatenate([np.zeros((0, 2)), *parts])
 
 
-def _past(followers: list[Follower], rows: list[Row], momentum: Momentum, grows: bool) -> Past:
+def _past(followers: list[Follower], rows: list[Row], onward: tuple[Momentum, Floats], grows: bool) -> Past:
+    """What is known of strokes; ``onward`` are their momentum, and where nodes would be by the last step."""
     most_seen = np.array([follower.life.most_seen for follower in followers]).reshape(-1, 2)
     least = np.array([0.0 if grows or 0.0 < row.seen <= _SHORT else SEEN for row in rows])
-    return Past(most_seen, least, momentum.merged)
+    return Past(most_seen, least, onward[0].merged, onward[1])
 
 
 def _momentum(followers: list[Follower], here: Source, half_width: Floats, grows: bool) -> Momentum:
@@ -196,8 +207,10 @@ def _placed(followers: list[Follower], rows: list[Row], points: Floats, support:
 def _settle(source: Source, target: Target, positions: Floats, support: Support, hold: Hold) -> Floats:
     """Let go of nodes without ink, then allow local scale."""
     weight = np.where(source.hold > 0, 0.0, support.follows())  # a source is held where ink tells nothing apart
+    is_led = (weight == 0) & (hold.stiffness > 0)
+    positions = np.where(is_led[:, None], hold.goal, positions)
     phases = (SIMILAR,) if np.array_equal(weight, source.weight) and weight.all() else (SETTLE, SIMILAR)
-    source = replace(source, weight=weight, hold=hold.stiffness, goal=hold.goal)
+    source = replace(parted(source, positions), weight=weight, hold=hold.stiffness, goal=hold.goal)
     return register(source, target, positions, phases)
 
 

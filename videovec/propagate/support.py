@@ -26,6 +26,12 @@ _OWN = 0.3
 """Share of the seen nodes that must have ink of their own."""
 _DIRECTION = 6.0
 """Weight of direction when ink chooses its stroke. px"""
+_IN_PART = 6.0
+"""How much farther ink is from a stroke without ink, when it chooses, than from one that lies on ink all along. px"""
+_STRAYED = 0.3
+"""And for each px from where a node was expected,"""
+_STRAY_MOST = 6.0
+"""but no more than this. px"""
 _REACH = 2
 """Nodes on either side of the one that ink has chosen that it claims too."""
 _RUN = 3
@@ -45,20 +51,22 @@ class Support:
         shown: Which nodes lie in a seen part of their stroke. bool [N]
         visible: The seen parts of each stroke as arc fractions, in their order. S of them
         share: Share of nodes that lie on ink. [S]
+        claimed: Which nodes have ink that has no better stroke, or their neighbours do. bool [N]
     """
 
     node: Bools
     shown: Bools
     visible: tuple[tuple[Interval, ...], ...]
     share: Floats
+    claimed: Bools
 
     def seen(self, nodes: Nodes) -> Bools:
         """Strokes of which something is seen. bool [S]"""
         return np.bincount(nodes.stroke, self.shown, minlength=len(nodes.bases)) > 0
 
     def follows(self) -> Floats:
-        """1 for nodes in a seen part of their stroke, else 0. [N]"""
-        return self.shown.astype(np.float64)
+        """1 for nodes in a seen part of their stroke with ink of their own, else 0. [N]"""
+        return (self.shown & self.claimed).astype(np.float64)
 
     def explains(self, nodes: Nodes) -> Floats:
         """1 for nodes of seen strokes in their seen parts, or on ink beyond a gap that hides their middle. [N]"""
@@ -74,22 +82,16 @@ class Past:
         most_seen: The most that was ever seen of each stroke, as arc fractions. [S, 2]
         least: Share of each stroke that must lie on ink for it to be there. [S]
         merged: Nodes that run together with others, of which any ink is as good as a centre line. bool [N]
+        expected: Where nodes would be, had they moved as in the last step. [N, 2] working px
     """
 
     most_seen: Floats
     least: Floats
     merged: Bools
-
-    @staticmethod
-    def unknown(nodes: Nodes) -> Past:
-        """Of strokes that may have been seen whole."""
-        count = len(nodes.bases)
-        return Past(np.tile([0.0, 1.0], (count, 1)), np.full(count, SEEN), np.zeros(len(nodes), bool))
+    expected: Floats
 
 
-def find_support(
-    nodes: Nodes, positions: Floats, half_width: Floats, target: Target, past: Past | None = None
-) -> Support:
+def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Target, past: Past) -> Support:
     """Look for the ink of every stroke.
 
     A part of a stroke is seen where there is ink; the stroke is there if some of that ink has no better stroke. A
@@ -105,12 +107,12 @@ def find_support(
     Returns:
         The support of each node and the seen parts of each stroke.
     """
-    past = past or Past.unknown(nodes)
     reach = np.maximum(_NEAR, 0.8 * half_width)[nodes.stroke]
     supported, chosen, bare = (np.zeros(len(nodes), bool) for _ in range(3))
     if len(target) and len(nodes):
         supported = target.distance_at(positions) <= reach
-        chosen = _chosen(nodes, positions, reach, target)
+        stray = np.linalg.norm(positions - past.expected, axis=1)
+        chosen = _chosen(nodes, positions, (reach, _lacks(nodes, supported, stray)), target)
         bare = sample(widened(target), positions) <= target.threshold
         supported |= past.merged & ~bare
         chosen |= past.merged & ~bare
@@ -127,7 +129,7 @@ def find_support(
         width = 2.0 * float(half_width[s]) / _spacing(positions[own])
         pieces.append(find_pieces(main, supported[own], bare[own], chosen[own], width))
     visible = find_ends(nodes, positions, half_width, (pieces, past.most_seen), target)
-    return Support(supported, shown_nodes(nodes, pieces, visible), tuple(visible), share)
+    return Support(supported, shown_nodes(nodes, pieces, visible), tuple(visible), share, claimed)
 
 
 def shown_nodes(nodes: Nodes, pieces: list[list[Piece]], visible: list[tuple[Interval, ...]]) -> Bools:
@@ -149,12 +151,27 @@ def _spacing(positions: Floats) -> float:
     return max(float(steps.mean()) if len(steps) else 0.0, 1e-6)
 
 
-def _chosen(nodes: Nodes, positions: Floats, reach: Floats, target: Target) -> Bools:
-    """Nodes that are the nearest of some ink. bool [N]"""
+def _lacks(nodes: Nodes, supported: Bools, stray: Floats) -> Floats:
+    """How much farther from ink than they are nodes count when it chooses. [N] px"""
+    share = np.bincount(nodes.stroke, supported) / np.maximum(np.bincount(nodes.stroke), 1)
+    return np.asarray(_IN_PART * (1.0 - share[nodes.stroke]) + np.minimum(_STRAYED * stray, _STRAY_MOST))
+
+
+def _chosen(nodes: Nodes, positions: Floats, near: tuple[Floats, Floats], target: Target) -> Bools:
+    """Nodes that are the nearest of some ink. bool [N]
+
+    Args:
+        nodes: N nodes.
+        positions: Where they are. [N, 2] working px
+        near: How near ink must be to support each node, and how much farther than others it counts. [N] each
+        target: The ink.
+    """
+    reach, lacks = near
     tangent = nodes.tangents(positions)
-    features = np.concatenate([positions, _DIRECTION * doubled(tangent)], axis=1)
-    ink = np.concatenate([target.points, _DIRECTION * doubled(target.direction)], axis=1)
+    features = np.concatenate([positions, _DIRECTION * doubled(tangent), lacks[:, None]], axis=1)
+    ink = np.concatenate([target.points, _DIRECTION * doubled(target.direction), np.zeros((len(target), 1))], axis=1)
     owner, squared = nearest(ink, features, np.zeros(len(ink), np.int64))
+    squared = squared - lacks[owner] ** 2
     chosen = np.zeros(len(nodes), bool)
     chosen[owner[squared <= (reach[owner] + 2.0) ** 2 + _DIRECTION**2]] = True
     return chosen

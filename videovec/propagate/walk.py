@@ -29,7 +29,7 @@ __all__ = ["Propagated", "walk"]
 
 _CUT = 0.5
 """Mean of the shares of ink without strokes and of strokes without ink from which on a new shot has begun."""
-_LOST = 0.2
+_LOST = 0.15
 """Share of strokes that must be without ink then: a drawing that only gains ink is the same shot."""
 
 
@@ -139,7 +139,7 @@ class _Walk:
 
     def _follow(self, life: Life, drawing: int) -> Follower:
         scale = min(1.0, self._settings.working_size / max(self._ink.size))
-        return follow(life, drawing, self._settings.node_spacing / scale)
+        return follow(life, drawing, self._settings.node_spacing / scale, scale, drawing - self._direction)
 
     def _left(self, placed: Placement, target: Target) -> Residual:
         seen = placed.support.explains(placed.nodes)
