@@ -1,13 +1,12 @@
-"""Strokes that something passes before: nothing of it drags them along, and they come back as who they were."""
+"""Strokes that something passes before: what of them lies under it, and what is tied to it."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from test_propagate import draw, ink_of, line, run, strokes_of
+from test_propagate import draw, line
 
-from videovec.curves import sample_by_arc
 from videovec.propagate.covered import find_covered
 from videovec.propagate.nodes import Nodes, basis_of, gather
 from videovec.propagate.registration import parted, source_of
@@ -50,30 +49,3 @@ def test_strokes_that_pass_each_other_lose_their_ties_and_those_that_turn_togeth
     own = np.repeat(np.arange(len(nodes)), np.diff(source.indptr))
     between = (nodes.stroke[own] != nodes.stroke[source.index]) & (source.across > 0)
     assert (parted(source, passed).across[between] < 0.1 * source.across[between]).all()
-
-
-FIGURE = [line(70, 40, 60, 120), line(100, 40, 112, 120), line(64, 60, 106, 60), line(40, 130, 140, 134)]
-STEP, WIDTH, COUNT = 13.0, 34.0, 15
-
-
-def passing() -> list[NDArray[np.uint8]]:
-    """A bar with two edges passes over the figure from left to right. uint8 [160, 160] each"""
-    drawings = []
-    for d in range(COUNT):
-        left = 5.0 + STEP * (d - 2)
-        image = draw(FIGURE)
-        low, high = (int(np.clip(x, 0, 160)) for x in (left, left + WIDTH))
-        image[:, low:high] = 0
-        edges = [line(x, 2, x, 158) for x in (left, left + WIDTH) if 4 < x < 156]
-        drawings.append(np.maximum(image, draw(edges)) if edges else image)
-    return drawings
-
-
-def test_strokes_come_back_from_behind_a_bar_as_who_they_were() -> None:
-    strokes = run(ink_of(passing()), strokes_of(FIGURE)).strokes
-    for s, true in enumerate(FIGURE):
-        last = strokes.row(s, COUNT - 1)
-        places = sample_by_arc(true, 20)
-        gap = np.linalg.norm(places[:, None] - sample_by_arc(strokes.points_of(last), 200), axis=2).min(1)
-        assert gap.max() < 2.0
-        assert np.ptp(strokes.visible[last]) > 0.9
