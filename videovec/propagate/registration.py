@@ -44,7 +44,7 @@ _CROSS_REACH = 12.0
 """Distance at which an edge between strokes has half of its stiffness. px"""
 _RECALL = 0.3
 """Pull of where strokes are against their remembered shape: bends of less than some eight nodes are learned slowly."""
-_PARTED = 4.0
+_PARTED = 8.0
 """Motion of two strokes against each other at which the ties between them have a quarter of their stiffness. px"""
 _SOLVES = 2
 _ITERATIONS = 40
