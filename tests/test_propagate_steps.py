@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from videovec.propagate.kernels import nearest, relax, rotations
 from videovec.propagate.nodes import bases_of, gather
-from videovec.propagate.registration import register, source_of
+from videovec.propagate.registration import FINE, register, source_of
 from videovec.propagate.search import find_motions, scene_of
 from videovec.propagate.target import make_target
 from videovec.strokes import Strokes
@@ -96,6 +96,16 @@ def test_registration_without_ink_or_nodes_moves_nothing() -> None:
     nodes = gather(bases_of(strokes_of(np.linspace((5, 5), (40, 40), 4), False), 4.0))
     rest = nodes.positions(np.linspace((5, 5), (40, 40), 4))
     np.testing.assert_array_equal(register(source_of(nodes, rest, empty), empty, rest), rest)
+
+
+@pytest.mark.parametrize("aside", [-20.0, 0.0, 20.0, 60.0])
+def test_a_stroke_beyond_the_reach_of_all_ink_stays(aside: float) -> None:
+    page = np.zeros((640, 640), np.uint8)
+    page[279:288, 302:305] = page[305:310, 302:305] = 255
+    hook = np.array([[289.6, 396.0], [289.0, 370.0], [303.0, 378.0], [306.3, 429.0]]) + [aside, 0.0]
+    nodes, ink = gather(bases_of(strokes_of(hook, False), 4.0)), make_target(page, 640)
+    rest = nodes.positions(hook)
+    assert register(source_of(nodes, rest, ink), ink, rest, (FINE,)) == pytest.approx(rest, abs=3.0)
 
 
 def test_centre_lines_are_found_to_a_fraction_of_a_pixel() -> None:

@@ -46,6 +46,8 @@ _RECALL = 0.3
 """Pull of where strokes are against their remembered shape: bends of less than some eight nodes are learned slowly."""
 _PARTED = 8.0
 """Motion of two strokes against each other at which the ties between them have a quarter of their stiffness. px"""
+_STAY = 1e-3
+"""Pull of where nodes are, against 1 of ink nearby: strokes far from all ink would else be flung anywhere."""
 _SOLVES = 2
 _ITERATIONS = 40
 
@@ -256,6 +258,8 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
             weight = _REVERSE * source.weight[to_node] * _robust(squared_back, tau)
             share = np.where(source.nodes.is_end[to_node], 1.0, _ALONG)
             assemble(pull, rhs, to_node, target.points[::2], target.direction[::2], weight, share)
+            pull[:, [0, 2]] += _STAY
+            rhs += _STAY * positions
             for _ in range(_SOLVES):
                 positions = relax(positions, source.rest, edges, (pull, rhs), phase.scale, _ITERATIONS)
     return positions
