@@ -102,7 +102,8 @@ def test_registration_without_ink_or_nodes_moves_nothing() -> None:
 def test_a_stroke_beyond_the_reach_of_all_ink_stays(aside: float) -> None:
     page = np.zeros((640, 640), np.uint8)
     page[279:288, 302:305] = page[305:310, 302:305] = 255
-    hook = np.array([[289.6, 396.0], [289.0, 370.0], [303.0, 378.0], [306.3, 429.0]]) + [aside, 0.0]
+    hook = np.array([[289.6, 396.0], [289.0, 370.0], [303.0, 378.0], [306.3, 429.0]])
+    hook[:, 0] += aside
     nodes, ink = gather(bases_of(strokes_of(hook, False), 4.0)), make_target(page, 640)
     rest = nodes.positions(hook)
     assert register(source_of(nodes, rest, ink), ink, rest, (FINE,)) == pytest.approx(rest, abs=3.0)
