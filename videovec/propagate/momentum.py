@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from videovec.propagate.affine import affine_change
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.registration import Source
 
@@ -76,17 +77,10 @@ def momentum_of(source: Source, drift: Floats, half_width: Floats, waited: Ints)
     """
     nodes, goal, drawn = source.nodes, source.rest + drift, source.weight > 0
     merged = merged_nodes(nodes, goal, half_width, drawn)
-    is_blind = _shares(nodes, merged_nodes(nodes, source.rest, half_width, drawn)) >= _MOST
+    is_blind = nodes.shares(merged_nodes(nodes, source.rest, half_width, drawn)) >= _MOST
     waits = np.where(is_blind, waited + 1, 0)
-    moves = (is_blind | (_shares(nodes, merged) >= _MOST)) & (waits < PATIENCE)
+    moves = (is_blind | (nodes.shares(merged) >= _MOST)) & (waits < PATIENCE)
     return Momentum(goal, moves, merged & moves[nodes.stroke], waits)
-
-
-def _shares(nodes: Nodes, values: Bools) -> Floats:
-    """Mean over the nodes of each stroke. [S]"""
-    count = len(nodes.bases)
-    size = np.maximum(np.bincount(nodes.stroke, minlength=count), 1)
-    return np.asarray(np.bincount(nodes.stroke, values, minlength=count) / size)
 
 
 def merged_nodes(nodes: Nodes, positions: Floats, half_width: Floats, drawn: Bools) -> Bools:
@@ -131,6 +125,4 @@ def affine_part(positions: Floats, velocity: Floats) -> Floats:
         velocity: How far each went. [n, 2] px
     """
     centred = positions - positions.mean(axis=0)
-    normal = centred.T @ centred + len(positions) * _SPREAD**2 * np.eye(2)
-    change = np.linalg.solve(normal, centred.T @ velocity)
-    return np.asarray(velocity.mean(axis=0) + centred @ change)
+    return np.asarray(velocity.mean(axis=0) + centred @ affine_change(centred, velocity, _SPREAD))

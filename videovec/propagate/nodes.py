@@ -136,6 +136,12 @@ class Nodes:
             pairs.append(start + np.stack([first, (first + distance) % n], axis=1))
         return np.concatenate([np.zeros((0, 2), np.intp), *pairs]).astype(np.intp)
 
+    def shares(self, values: NDArray[np.bool_]) -> Floats:
+        """Share of the nodes of each stroke of which something holds. [S]"""
+        count = len(self.bases)
+        size = np.maximum(np.bincount(self.stroke, minlength=count), 1)
+        return np.asarray(np.bincount(self.stroke, values, minlength=count) / size)
+
     def positions(self, points: Floats) -> Floats:
         """Where the nodes are, given all control points [P, 2]. [N, 2] px"""
         return np.asarray(self.weights @ points)

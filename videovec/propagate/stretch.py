@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.propagate.affine import affine_change
 from videovec.propagate.nodes import Nodes
 
 __all__ = ["stretched"]
@@ -51,8 +52,7 @@ def _changed(rest: Floats, positions: Floats, seen: Bools) -> Floats:
     middle = rest[seen].mean(axis=0)
     before = rest[seen] - middle
     after = _turned_back(before, positions[seen] - positions[seen].mean(axis=0))
-    normal = before.T @ before + len(before) * _SPREAD**2 * np.eye(2)
-    change = np.linalg.solve(normal, before.T @ (after - before))
+    change = affine_change(before, after - before, _SPREAD)
     left, whole = np.square(after - before - before @ change).sum(), np.square(after - before).sum()
     return np.asarray(rest + (rest - middle) @ change) if left <= _EXPLAINED * whole else rest
 

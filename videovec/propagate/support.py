@@ -153,8 +153,8 @@ def _spacing(positions: Floats) -> float:
 
 def _lacks(nodes: Nodes, supported: Bools, stray: Floats) -> Floats:
     """How much farther from ink than they are nodes count when it chooses. [N] px"""
-    share = np.bincount(nodes.stroke, supported) / np.maximum(np.bincount(nodes.stroke), 1)
-    return np.asarray(_IN_PART * (1.0 - share[nodes.stroke]) + np.minimum(_STRAYED * stray, _STRAY_MOST))
+    share = nodes.shares(supported)[nodes.stroke]
+    return np.asarray(_IN_PART * (1.0 - share) + np.minimum(_STRAYED * stray, _STRAY_MOST))
 
 
 def _chosen(nodes: Nodes, positions: Floats, near: tuple[Floats, Floats], target: Target) -> Bools:
