@@ -155,13 +155,54 @@ def test_a_recoloured_path_recolours_its_stroke_on_every_frame_and_moves_nothing
         assert np.abs(points_at(corrected, 2, frame) - LOW - frame * SHIFT).max() < 1.0
 
 
-def test_a_frame_that_was_not_edited_pins_nothing(edited: Path) -> None:
+def test_a_wider_path_is_as_wide_on_its_frame_and_moves_nothing(edited: Path) -> None:
     clip = clip_of(TOP, LOW)
     tracks = tracks_of(clip, life(1, TOP), life(2, LOW))
+    svg = svg_frame(tracks, 2, "stroke")
+    element = re.search(r'<path[^>]*data-stroke-id="2"[^>]*>', svg)
+    assert element
+    wider = re.sub(r'stroke-width="[^"]*"', 'stroke-width="4.5"', element[0])
+    edited.write_text(svg.replace(element[0], wider), encoding="utf-8")
+    corrected = correct(tracks, clip, [edited], replace(CONFIG, export=replace(CONFIG.export, svg_style="stroke")))
+    np.testing.assert_allclose(corrected[2].at(2).half_width, 2.25, atol=1e-6)
+    np.testing.assert_allclose(points_at(corrected, 2, 2), LOW + 2 * SHIFT, atol=1e-9)
+    assert corrected[2].at(0).half_width.max() < 1.8  # the ink of other frames is no wider
+
+
+def test_strokes_that_were_not_edited_stay_to_the_last_digit(edited: Path) -> None:
+    """Both lie beside their ink, from where a fit would move them; one of them is put right."""
+    clip = clip_of(TOP, LOW)
+    tracks = tracks_of(clip, life(1, TOP + 1.0), life(2, LOW + 1.0))
+    right = LOW + 2 * SHIFT
+    edited.write_text(with_path(svg_frame(tracks, 2, "stroke"), 2, right), encoding="utf-8")
+    corrected = correct(tracks, clip, [edited], replace(CONFIG, export=replace(CONFIG.export, svg_style="stroke")))
+    before, after = (StrokeLife.of(one.strokes, 0) for one in (tracks, corrected))
+    np.testing.assert_array_equal(after.points, before.points)
+    np.testing.assert_array_equal(after.half_width, before.half_width)
+    assert np.abs(points_at(corrected, 2, 1) - LOW - SHIFT).max() < np.abs(points_at(tracks, 2, 1) - LOW - SHIFT).max()
+
+
+def test_a_correction_of_a_still_is_kept_as_it_was_drawn(edited: Path) -> None:
+    clip = Clip("c", (picture([TOP, LOW]),), Timeline(np.zeros(1, int), (Fraction(0),), Fraction(1), np.ones(1, int)))
+    lives = [replace(one, points=one.points[:1], half_width=one.half_width[:1]) for one in (life(1, TOP), life(2, LOW))]
+    lives = [replace(one, opacity=one.opacity[:1], visible=one.visible[:1]) for one in lives]
+    tracks = tracks_of(clip, *lives)
+    still = edited.with_name("frame_0001.svg")
+    still.write_text(with_path(svg_frame(tracks, 0, "stroke"), 2, LOW + 4), encoding="utf-8")
+    corrected = correct(tracks, clip, [still], replace(CONFIG, export=replace(CONFIG.export, svg_style="stroke")))
+    assert corrected.strokes.ids.tolist() == [1, 2]
+    np.testing.assert_allclose(points_at(corrected, 2, 0), LOW + 4, atol=1e-6)
+    np.testing.assert_array_equal(points_at(corrected, 1, 0), TOP)
+
+
+def test_a_frame_that_was_not_edited_changes_nothing(edited: Path) -> None:
+    clip = clip_of(TOP, LOW)
+    tracks = tracks_of(clip, life(1, TOP + 1.0), life(2, LOW))
     edited.write_text(svg_frame(tracks, 2, "auto"), encoding="utf-8")
     corrected = correct(tracks, clip, [edited], CONFIG)
     assert corrected.strokes.ids.tolist() == [1, 2]
     assert corrected.events == ()
+    np.testing.assert_array_equal(corrected.strokes.points, tracks.strokes.points)
 
 
 def test_what_cannot_be_put_back_is_told(edited: Path) -> None:

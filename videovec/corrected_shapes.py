@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from videovec.curves import arc_length, evaluate, parameter_at, sample_by_arc, segment_lengths, segments_of
 from videovec.ink import Ink
 from videovec.stroke_life import StrokeLife
+from videovec.stroke_shape import StrokeShape
 
-__all__ = ["carried_change", "reshaped"]
+__all__ = ["carried_change", "reshaped", "widened"]
 
 Floats = NDArray[np.float64]
 
@@ -71,6 +72,25 @@ def carried_change(life: StrokeLife, drawing: int, points: Floats, ink: Ink) -> 
                 break
             moved[k] = candidate
     return replace(life, points=moved)
+
+
+def widened(life: StrokeLife, drawing: int, before: StrokeShape, after: StrokeShape) -> StrokeLife:
+    """The stroke as much wider or thinner on one drawing as its seen part was made there.
+
+    Args:
+        life: The stroke.
+        drawing: The drawing on which it was changed.
+        before: Its seen part as it was shown, in any number of segments.
+        after: As it was put back.
+    """
+    row = drawing - life.first
+    start, stop = life.visible[row]
+    u = np.clip((_fractions(life.points[row])[::3] - start) / max(stop - start, 1e-9), 0.0, 1.0)
+    there = 1 - u if _runs_against(before.points, after.points) else u
+    pairs = zip(u.tolist(), there.tolist(), strict=True)
+    half_width = life.half_width.copy()
+    half_width[row] *= [after.half_width_at(new) / before.half_width_at(old) for old, new in pairs]
+    return replace(life, half_width=half_width)
 
 
 def _runs_against(old: Floats, new: Floats) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.clip import Clip
-from videovec.corrected_shapes import carried_change, reshaped
+from videovec.corrected_shapes import carried_change, reshaped, widened
 from videovec.errors import InputError
 from videovec.events import Event, EventKind
 from videovec.fit import Pin, fit
@@ -23,6 +23,7 @@ from videovec.propagate import propagate
 from videovec.reference import DrawnStrokes, read_drawn
 from videovec.settings import Config
 from videovec.stroke_life import StrokeLife
+from videovec.stroke_shape import StrokeShape, shape_of_row
 from videovec.strokes import Strokes
 from videovec.tracks import StrokeTracks
 from videovec.write.svg import svg_frame
@@ -32,6 +33,7 @@ __all__ = ["correct", "frame_of_file"]
 Floats = NDArray[np.float64]
 
 _UNMOVED = 0.05  # px by which a path may differ from the one that was written and still be the same
+_WIDENED = 0.02  # px by which a half-width may differ from the one that was written and still be the same
 _RECOLOURED = 1.5 / 255  # by which a channel of a colour may differ from the one that was written
 _PROPORTION = 0.005  # by which the proportions of a corrected document may differ from the page's
 
@@ -61,9 +63,10 @@ def correct(
 ) -> StrokeTracks:
     """Put edited SVG frames of a finished run back, and fit on from there.
 
-    Strokes that were moved or reshaped are held where they were put and carried to the drawings around; strokes that
-    were recoloured are so on all of their drawings; strokes that were deleted end there, or are left out if they began
-    there; paths without an identity become strokes that are followed through the clip.
+    Strokes that were moved, reshaped or made wider are held as they were put there and carried to the drawings around;
+    strokes that were recoloured are so on all of their drawings; strokes that were deleted end there, or are left out
+    if they began there; paths without an identity become strokes that are followed through the clip. All other strokes
+    stay as they are.
 
     Args:
         tracks: The strokes of the run.
@@ -87,8 +90,18 @@ def correct(
         _check(path, drawn, tracks, frame)
         tracks, held = _put_back(tracks, ink, (frame, drawn), config, progress)
         pins |= held
+    pins |= _untouched(tracks.strokes, {identity for identity, _ in pins})
     result = fit(ink, tracks.strokes, config.fit, config.render, progress, frozenset(pins))
     return StrokeTracks.of(clip, ink, result, tracks.events)
+
+
+def _untouched(strokes: Strokes, touched: set[int]) -> set[Pin]:
+    """All drawings of the strokes that no correction speaks of, nor of the stroke whose part beyond a gap they are."""
+    layout = strokes.layout
+    families = np.where(strokes.parent > 0, strokes.parent, strokes.ids)
+    moves = np.isin(families, families[np.isin(strokes.ids, list(touched))])
+    rows = np.flatnonzero(~moves[layout.row_stroke])
+    return set(zip(strokes.ids[layout.row_stroke[rows]].tolist(), layout.row_drawing[rows].tolist(), strict=True))
 
 
 def _check(path: Path, drawn: DrawnStrokes, tracks: StrokeTracks, frame: int) -> None:
@@ -105,8 +118,8 @@ def _check(path: Path, drawn: DrawnStrokes, tracks: StrokeTracks, frame: int) ->
         )
 
 
-def _written(tracks: StrokeTracks, frame: int, config: Config) -> dict[int, tuple[Floats, Floats]]:
-    """The centre lines of a frame as our own file shows them, and their colours, by identity."""
+def _written(tracks: StrokeTracks, frame: int, config: Config) -> dict[int, StrokeShape]:
+    """The strokes of a frame as our own file shows them, by identity."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "frame.svg"
         path.write_text(svg_frame(tracks, frame, config.export.svg_style), encoding="utf-8")
@@ -114,7 +127,7 @@ def _written(tracks: StrokeTracks, frame: int, config: Config) -> dict[int, tupl
             ours = read_drawn(path, tracks.size)
         except InputError:
             return {}
-    return {int(one): (ours.strokes.points_of(row), ours.strokes.color[row]) for row, one in enumerate(ours.ids)}
+    return {int(one): shape_of_row(ours.strokes, row) for row, one in enumerate(ours.ids)}
 
 
 def _put_back(
@@ -129,14 +142,16 @@ def _put_back(
     pins: set[Pin] = set()
     named = {int(one): row for row, one in enumerate(drawn.ids) if one > 0}
     for identity, row in named.items():
-        points, color = drawn.strokes.points_of(row), drawn.strokes.color[row]
-        if identity in before:
-            if np.abs(color - before[identity][1]).max() > _RECOLOURED:  # a stroke has one ink, on all of its drawings
-                lives[identity] = replace(lives[identity], color=color)
-            if _is_same(before[identity][0], points):
-                continue
-        lives[identity] = carried_change(lives[identity], drawing, reshaped(lives[identity], drawing, points), ink)
-        pins.add((identity, drawing))
+        old, new, life = before.get(identity), shape_of_row(drawn.strokes, row), lives[identity]
+        if old is None or np.abs(new.color - old.color).max() > _RECOLOURED:
+            life = replace(life, color=new.color)  # a stroke has one ink, on all of its drawings
+        if old is None or not _is_same(old.points, new.points, _UNMOVED):
+            life = carried_change(life, drawing, reshaped(life, drawing, new.points), ink)
+            pins.add((identity, drawing))
+        if old is not None and not _is_same(old.half_width, new.half_width, _WIDENED):
+            life = widened(life, drawing, old, new)
+            pins.add((identity, drawing))
+        lives[identity] = life
     for identity in sorted(set(before) - set(named)):
         life = lives.pop(identity)
         events = [event for event in events if event.drawing < drawing or identity not in event.ids]
@@ -159,8 +174,8 @@ def _put_back(
     return replace(tracks, strokes=strokes, events=tuple(events), error=rows, confidence=rows), pins
 
 
-def _is_same(before: Floats, after: Floats) -> bool:
-    return before.shape == after.shape and bool(np.abs(before - after).max() <= _UNMOVED)
+def _is_same(before: Floats, after: Floats, tolerance: float) -> bool:
+    return before.shape == after.shape and bool(np.abs(before - after).max() <= tolerance)
 
 
 def _followed(

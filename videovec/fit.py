@@ -15,7 +15,7 @@ from videovec.drawing_terms import drawing_terms
 from videovec.edits import edit, finish
 from videovec.evidence import Evidence, gather_evidence
 from videovec.ink import Ink
-from videovec.optimise import Interrupted, Schedule, Term, optimise
+from videovec.optimise import Held, Interrupted, Schedule, Term, optimise
 from videovec.parameters import Parameters
 from videovec.progress import Progress, Silent
 from videovec.render import Backend, render_image, resolve_backend
@@ -27,8 +27,6 @@ __all__ = ["FitResult", "Pin", "compare", "draw_coverage", "fit", "judge"]
 
 Pin = tuple[int, int]
 """The identity of a stroke, and a drawing."""
-
-_PIN = 100.0  # weight of the squared distance of a pinned control point from its place
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,36 +76,53 @@ def fit(
         settings: Steps, weights and windows.
         render: Which renderer.
         progress: Told of every step.
-        pins: Strokes, by identity, and drawings on which they stay where they are.
+        pins: Strokes, by identity, and drawings on which they stay as they are; with any, no stroke is edited.
 
     Returns:
         The fitted strokes, their evidence and the error of every drawing.
     """
     progress = progress or Silent()
     backend = resolve_backend(render or RenderSettings())
-    given = strokes
-    windows = list(_windows(ink.drawing_count, settings))
+    if ink.drawing_count == 1 and not pins:
+        progress.stage("fit", settings.steps)
+        fitted, is_finished = _fit_drawing(ink, strokes, settings, backend, progress)
+    else:
+        windows = list(_windows(ink.drawing_count, settings))
+        progress.stage("fit", _schedule(settings, ink.drawing_count).steps * len(windows))
+        fitted, is_finished = strokes, True
+        for window in windows:
+            fitted, is_finished = _fit_window(ink, fitted, window, (settings, pins), (backend, progress))
+            if not is_finished:
+                break
+        fitted = _restored(fitted, strokes, pins)
+    return replace(judge(ink, fitted, backend), is_finished=is_finished)
+
+
+def _fit_window(
+    ink: Ink,
+    strokes: Strokes,
+    window: tuple[int, int],
+    how: tuple[FitSettings, frozenset[Pin]],
+    tools: tuple[Backend, Progress],
+) -> tuple[Strokes, bool]:
+    """Fit the drawings of a window together with those around it; whether that came to its end."""
+    (first, last), (settings, pins), (backend, progress) = window, how, tools
+    around = max(0, first - settings.overlap), min(ink.drawing_count - 1, last + settings.overlap)
+    part = strokes.within(*around).shifted(-around[0])
     schedule = _schedule(settings, ink.drawing_count)
-    progress.stage("fit", schedule.steps * len(windows))
-    if ink.drawing_count == 1:
-        strokes, is_finished = _fit_drawing(ink, strokes, settings, backend, progress)
-        return replace(judge(ink, strokes, backend), is_finished=is_finished)
-    is_finished = True
-    for first, last in windows:
-        around = max(0, first - settings.overlap), min(ink.drawing_count - 1, last + settings.overlap)
-        part = strokes.within(*around).shifted(-around[0])
-        target = ink.shown[around[0] : around[1] + 1]
-        terms = _terms(part, settings.weights, backend.device)
-        try:
-            fitted = optimise(
-                part, target, schedule, [*terms, *_pinned(part, around[0], pins, backend.device)], backend, progress
-            ).strokes
-        except Interrupted as stop:
-            fitted, is_finished = stop.strokes, False
-        strokes = strokes.with_rows_of(fitted.shifted(around[0]).within(first, last))
-        if not is_finished:
-            break
-    return replace(judge(ink, _restored(strokes, given, pins), backend), is_finished=is_finished)
+    held = Held(_pinned_rows(part, around[0], pins))
+    if len(held.rows) == part.row_count:
+        progress.advance(schedule.steps)
+        return strokes, True
+    terms: list[Term | Held] = [*_terms(part, settings.weights, backend.device)]
+    if len(held.rows):
+        terms.append(held)
+    try:
+        fitted = optimise(part, ink.shown[around[0] : around[1] + 1], schedule, terms, backend, progress).strokes
+        is_finished = True
+    except Interrupted as stop:
+        fitted, is_finished = stop.strokes, False
+    return strokes.with_rows_of(fitted.shifted(around[0]).within(first, last)), is_finished
 
 
 def _fit_drawing(
@@ -223,20 +238,15 @@ def _pinned_rows(strokes: Strokes, shift: int, pins: frozenset[Pin]) -> NDArray[
     return np.flatnonzero([row in pins for row in rows])
 
 
-def _pinned(strokes: Strokes, shift: int, pins: frozenset[Pin], device: torch.device) -> list[Term]:
-    """A term that holds the pinned rows; none without any."""
-    held = np.flatnonzero(np.isin(strokes.layout.point_row, _pinned_rows(strokes, shift, pins)))
-    if not len(held):
-        return []
-    start, where = torch.as_tensor(strokes.points[held], device=device), torch.as_tensor(held, device=device)
-    return [lambda p: _PIN * (p.points[where] - start.to(p.points)).square().sum()]
-
-
 def _restored(strokes: Strokes, given: Strokes, pins: frozenset[Pin]) -> Strokes:
-    """The strokes with the points that pinned rows had."""
-    rows = _pinned_rows(strokes, 0, pins)
-    is_held = np.isin(strokes.layout.point_row, rows)
-    return replace(strokes, points=np.where(is_held[:, None], given.points, strokes.points)) if len(rows) else strokes
+    """The strokes with the points and widths that pinned rows had, to the last digit."""
+    rows, layout = _pinned_rows(strokes, 0, pins), strokes.layout
+    points, joints = np.isin(layout.point_row, rows), np.isin(layout.joint_row, rows)
+    return replace(
+        strokes,
+        points=np.where(points[:, None], given.points, strokes.points),
+        half_width=np.where(joints, given.half_width, strokes.half_width),
+    )
 
 
 def _weighted(weight: float, term: Term) -> Term:

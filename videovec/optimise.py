@@ -30,7 +30,7 @@ from videovec.render import (
 from videovec.settings import RenderSettings
 from videovec.strokes import Strokes
 
-__all__ = ["Interrupted", "Optimised", "PixelTerm", "Schedule", "Term", "optimise"]
+__all__ = ["Held", "Interrupted", "Optimised", "PixelTerm", "Schedule", "Term", "optimise"]
 
 STALL, GAIN = 5, 0.01
 """Gauss-Newton ends when this many steps have lowered the loss by no more than this share of it."""
@@ -54,6 +54,17 @@ class PixelTerm:
     gradient: Callable[[PairList, Tensor], tuple[Tensor, Tensor]]
     weight: float
     every: int = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """Rows that stay as they are, whatever the loss says.
+
+    Args:
+        rows: Which rows of the strokes. int [K]
+    """
+
+    rows: NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +138,7 @@ def optimise(
     strokes: Strokes,
     target: NDArray[np.uint8],
     schedule: Schedule,
-    terms: Sequence[Term | PixelTerm] = (),
+    terms: Sequence[Term | PixelTerm | Held] = (),
     backend: Backend | None = None,
     progress: Progress | None = None,
 ) -> Optimised:
@@ -137,7 +148,7 @@ def optimise(
         strokes: S strokes over D drawings.
         target: Ink coverage, 255 is full. uint8 [D, H, W]
         schedule: How the steps are taken.
-        terms: What else is to be small, beside the sum over pixels of the squared coverage error.
+        terms: What else is to be small, beside the sum over pixels of the squared coverage error, and what is to stay.
         backend: Which renderer, on which device; chosen by what there is unless told.
         progress: Advanced at every step.
 
@@ -163,13 +174,18 @@ def optimise(
 
 
 def _descend(
-    parameters: Parameters, seen: Tensor, schedule: Schedule, terms: Sequence[Term | PixelTerm], progress: Progress
+    parameters: Parameters,
+    seen: Tensor,
+    schedule: Schedule,
+    terms: Sequence[Term | PixelTerm | Held],
+    progress: Progress,
 ) -> Losses:
     """Steps of Adam."""
     size = (seen.shape[0], seen.shape[1], seen.shape[2])
     optimiser, rates = _optimiser(parameters, schedule)
     pixel_terms = [term for term in terms if isinstance(term, PixelTerm)]
-    smooth_terms = [term for term in terms if not isinstance(term, PixelTerm)]
+    smooth_terms = [term for term in terms if not isinstance(term, PixelTerm | Held)]
+    holds = [_Hold(parameters, term.rows) for term in terms if isinstance(term, Held)]
     losses: list[Tensor] = []
     for step in schedule.span:
         scale = schedule.scale_at(step)
@@ -187,6 +203,8 @@ def _descend(
         if smooth_terms:
             torch.stack([term(parameters) for term in smooth_terms]).sum().backward()  # type: ignore[no-untyped-call]
         parameters.accumulate(match)
+        for hold in holds:
+            hold.release()
         for group, rate in zip(optimiser.param_groups, rates, strict=True):
             group["lr"] = rate * schedule.decay_at(step)
         optimiser.step()
@@ -226,6 +244,30 @@ def _approach(parameters: Parameters, target: NDArray[np.uint8], schedule: Sched
         course.go_back()
     progress.advance(len(schedule.span) - len(losses) + 1)
     return np.array(losses)
+
+
+class _Hold:
+    """Keeps rows from being moved.
+
+    Args:
+        parameters: What is moved.
+        rows: What is not. int [K]
+    """
+
+    def __init__(self, parameters: Parameters, rows: NDArray[np.intp]) -> None:
+        layout = parameters.strokes.layout
+        of_rows = (
+            (parameters.points, layout.point_row),
+            (parameters.log_half_width, layout.joint_row),
+            (parameters.logit_opacity, np.arange(len(parameters.logit_opacity))),
+        )
+        self._held = [(tensor, torch.from_numpy(np.isin(row, rows)).to(tensor.device)) for tensor, row in of_rows]
+
+    def release(self) -> None:
+        """Let nothing pull at the rows; a step of Adam without a pull, ever, is none."""
+        for tensor, is_held in self._held:
+            if tensor.grad is not None:
+                tensor.grad[is_held] = 0
 
 
 class _Course:
