@@ -102,3 +102,13 @@ def test_a_dot_has_no_length_and_is_sampled_where_it_is() -> None:
 def test_a_wrong_number_of_control_points_is_an_error(count: int) -> None:
     with pytest.raises(FitError, match="3n\\+1"):
         curves.segments_of(np.zeros((count, 2)))
+
+
+def test_arc_to_places_is_the_length_of_the_parts_before_them() -> None:
+    points = np.array([[0, 0], [10, 30], [40, -20], [60, 10], [70, 25], [90, 40], [100, 0]], float)
+    for place in (0.0, 0.3, 0.9999, 1.0, 1.01, 1.7, 2.0):
+        k = min(int(place), 1)
+        samples = curves.evaluate(curves.segments_of(points)[k], np.linspace(0.0, place - k, 20001))
+        before = curves.arc_length(points[:4]) if k else 0.0
+        expected = before + np.linalg.norm(np.diff(samples, axis=0), axis=1).sum()
+        assert curves.arc_to(points, np.array([place]))[0] == pytest.approx(expected, abs=1e-5)

@@ -15,6 +15,7 @@ from videovec.errors import FitError
 
 __all__ = [
     "arc_length",
+    "arc_to",
     "derivative",
     "evaluate",
     "parameter_at",
@@ -32,6 +33,16 @@ Ints = NDArray[np.intp]
 
 _INTERVALS = 16  # pieces of a segment between which its arc length is tabulated
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+
+
+def _table_basis() -> Floats:
+    """Velocity from the legs of a segment at all nodes of all its intervals. [80, 3]"""
+    t = ((np.arange(_INTERVALS)[:, None] + 0.5 * (1.0 + _NODES)) / _INTERVALS).ravel()
+    return 3.0 * np.stack([(1.0 - t) ** 2, 2.0 * (1.0 - t) * t, t * t], axis=-1)
+
+
+_TABLE_BASIS = _table_basis()
+_POWERS = np.array([[3.0, 0.0, 0.0], [-6.0, 6.0, 0.0], [3.0, -6.0, 3.0]])  # legs to velocity as a polynomial of t
 
 
 def segments_of(points: Floats) -> Floats:
@@ -96,19 +107,32 @@ def split(control: Floats, t: ArrayLike) -> tuple[Floats, Floats]:
     return np.stack(before, axis=-2), np.stack(after[::-1], axis=-2)
 
 
-def _lengths_between(control: Floats, start: Floats, stop: Floats) -> Floats:
-    """Arc length of segments between two parameters. [...]"""
+def _velocities(points: Floats, segment: Ints) -> Floats:
+    """Velocity of segments of a spline as a polynomial of t. [3, 2, M]"""
+    legs = np.diff(segments_of(points), axis=1)[segment]
+    return np.ascontiguousarray((_POWERS @ legs).transpose(1, 2, 0))
+
+
+def _speed_at(velocity: Floats, t: Floats) -> Floats:
+    """Speed at parameters [K, M] of M segments whose velocity is this polynomial of t [3, 2, M]. [K, M]"""
+    x, y = (velocity[0, i] + t * (velocity[1, i] + t * velocity[2, i]) for i in range(2))
+    return np.asarray(np.sqrt(x * x + y * y))
+
+
+def _lengths_between(velocity: Floats, start: Floats, stop: Floats) -> Floats:
+    """Arc length between two parameters of M segments, likewise. [M]"""
     half = 0.5 * (stop - start)
-    t = half[..., None] * _NODES + 0.5 * (start + stop)[..., None]
-    speed = np.linalg.norm(derivative(control[..., None, :, :], t), axis=-1)
-    return np.asarray(half * (speed @ _WEIGHTS))
+    return np.asarray(half * (_WEIGHTS @ _speed_at(velocity, start + half * (1.0 + _NODES[:, None]))))
 
 
 def _length_table(points: Floats) -> Floats:
     """Arc length from the start of a spline to the ends of every interval of every segment. [16n+1]"""
-    edges = np.linspace(0.0, 1.0, _INTERVALS + 1)
-    lengths = _lengths_between(segments_of(points)[:, None], edges[None, :-1], edges[None, 1:])
-    return np.concatenate([[0.0], np.cumsum(lengths.ravel())])
+    legs = np.diff(segments_of(points), axis=1)
+    velocity = _TABLE_BASIS @ legs
+    speed = np.sqrt(np.einsum("gtk,gtk->gt", velocity, velocity)).reshape(-1, len(_NODES))
+    table = np.zeros(len(speed) + 1)
+    np.cumsum(speed @ (0.5 / _INTERVALS * _WEIGHTS), out=table[1:])
+    return table
 
 
 def segment_lengths(points: Floats) -> Floats:
@@ -119,6 +143,16 @@ def segment_lengths(points: Floats) -> Floats:
 def arc_length(points: Floats) -> float:
     """Arc length of a spline [3n+1, 2]."""
     return float(_length_table(points)[-1])
+
+
+def arc_to(points: Floats, places: Floats) -> Floats:
+    """Arc length from the start of a spline [3n+1, 2] to places on it, given as segment plus parameter. [M]"""
+    table = _length_table(points)
+    at = np.clip((places * _INTERVALS).astype(np.intp), 0, len(table) - 2)
+    segment, interval = at // _INTERVALS, at % _INTERVALS
+    velocity = _velocities(points, segment)
+    t = np.clip(places - segment, 0.0, 1.0)
+    return np.asarray(table[at] + _lengths_between(velocity, interval / _INTERVALS, t))
 
 
 def parameter_at(points: Floats, u: ArrayLike) -> tuple[Ints, Floats]:
@@ -135,15 +169,15 @@ def parameter_at(points: Floats, u: ArrayLike) -> tuple[Ints, Floats]:
     wanted = np.clip(np.asarray(u, dtype=np.float64), 0.0, 1.0) * table[-1]
     at = np.clip(np.searchsorted(table, wanted, side="right") - 1, 0, len(table) - 2)
     segment, interval = at // _INTERVALS, at % _INTERVALS
-    control = segments_of(points)[segment]
+    velocity = _velocities(points, segment)
     start = interval / _INTERVALS
-    width = table[at + 1] - table[at]
-    t = start + np.where(width > 0, (wanted - table[at]) / np.where(width > 0, width, 1.0), 0.0) / _INTERVALS
+    along, width = wanted - table[at], table[at + 1] - table[at]
+    t = start + np.where(width > 0, along / np.where(width > 0, width, 1.0), 0.0) / _INTERVALS
     for _ in range(2):  # Newton on the arc length; the table's linear guess is close
-        speed = np.linalg.norm(derivative(control, t), axis=-1)
-        excess = _lengths_between(control, start, t) - (wanted - table[at])
-        step = np.where(speed > 1e-9, excess / np.where(speed > 1e-9, speed, 1.0), 0.0)
-        t = np.clip(t - step, start, start + 1.0 / _INTERVALS)
+        speed = _speed_at(velocity, t)
+        excess = _lengths_between(velocity, start, t) - along
+        step = np.where(speed > 1e-9, excess / np.maximum(speed, 1e-9), 0.0)
+        t = np.minimum(np.maximum(t - step, start), start + 1.0 / _INTERVALS)
     return segment, t
 
 

@@ -16,6 +16,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from videovec.adam import Adam
 from videovec.gauss_newton import GaussNewton
 from videovec.parameters import Parameters
 from videovec.progress import Progress, Silent
@@ -182,7 +183,7 @@ def _descend(
 ) -> Losses:
     """Steps of Adam."""
     size = (seen.shape[0], seen.shape[1], seen.shape[2])
-    optimiser, rates = _optimiser(parameters, schedule)
+    adam = Adam(*_free(parameters, schedule), schedule.floor)
     pixel_terms = [term for term in terms if isinstance(term, PixelTerm)]
     smooth_terms = [term for term in terms if not isinstance(term, PixelTerm | Held)]
     holds = [_Hold(parameters, term.rows) for term in terms if isinstance(term, Held)]
@@ -199,15 +200,13 @@ def _descend(
         if due:
             slopes = [term.weight * term.every * term.gradient(pairs, match.value)[1] for term in due]
             match = coverage_loss_and_gradients(scene, pairs, scale, seen, torch.stack(slopes).sum(0))
-        optimiser.zero_grad(set_to_none=False)
+        adam.forget_gradients()
         if smooth_terms:
             torch.stack([term(parameters) for term in smooth_terms]).sum().backward()  # type: ignore[no-untyped-call]
         parameters.accumulate(match)
         for hold in holds:
             hold.release()
-        for group, rate in zip(optimiser.param_groups, rates, strict=True):
-            group["lr"] = rate * schedule.decay_at(step)
-        optimiser.step()
+        adam.step(schedule.decay_at(step))
         losses.append(match.loss.sum())  # read at the end: reading makes the device wait
         progress.advance()
     return torch.stack(losses).cpu().numpy()
@@ -299,13 +298,7 @@ class _Course:
             values.copy_(found)
 
 
-def _optimiser(parameters: Parameters, schedule: Schedule) -> tuple[torch.optim.Optimizer, list[float]]:
-    free = [
-        (parameters.points, schedule.rate),
-        (parameters.log_half_width, schedule.width_rate),
-        (parameters.logit_opacity, schedule.opacity_rate),
-    ]
-    for tensor, _ in free:
-        tensor.grad = torch.zeros_like(tensor)
-    optimiser = torch.optim.Adam([{"params": [tensor]} for tensor, _ in free], betas=(0.9, 0.99), eps=schedule.floor)
-    return optimiser, [rate for _, rate in free]
+def _free(parameters: Parameters, schedule: Schedule) -> tuple[list[Tensor], list[float]]:
+    """The tensors that are moved, and their rates."""
+    tensors = [parameters.points, parameters.log_half_width, parameters.logit_opacity]
+    return tensors, [schedule.rate, schedule.width_rate, schedule.opacity_rate]

@@ -41,15 +41,15 @@ def _is_clear(lines: list[CentreLine]) -> list[NDArray[np.bool_]]:
     """
     strides = [max(1, int(_SPARSE * line.width / _spacing(line.line))) for line in lines]
     sparse = [line.line[::stride] for line, stride in zip(lines, strides, strict=True)]
-    stroke = np.repeat(np.arange(len(lines)), [len(samples) for samples in sparse])
     tree = cKDTree(np.concatenate(sparse))
     result = []
     for i, (line, stride) in enumerate(zip(lines, strides, strict=True)):
         along = arc(line.line)
         away = np.minimum(along, along[-1] - along)
         clear = np.ones(len(along), bool) if line.is_closed else away > 0.6 * line.width
-        around = tree.query_ball_point(sparse[i], _CLEAR * line.width)
-        alone = np.array([bool(np.all(stroke[near] == i)) for near in around])
+        reach = _CLEAR * line.width
+        around = tree.query_ball_point(sparse[i], reach, return_length=True)
+        alone = around == cKDTree(sparse[i]).query_ball_point(sparse[i], reach, return_length=True)
         result.append(clear & np.repeat(alone, stride)[: len(along)])
     return result
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from videovec.curves import arc_length, derivative, evaluate, parameter_at, segment_lengths, segments_of, split
+from videovec.curves import arc_length, arc_to, derivative, evaluate, parameter_at, segments_of
 from videovec.strokes import Strokes
 from videovec.vote.contacts import Arm, Contacts
 
@@ -115,40 +115,35 @@ def _probes(strokes: Strokes, contacts: Contacts, arm: Arm, drawing: int) -> Flo
     """Points on an arm, from the junction outwards. [_PROBES, 2] px"""
     branch = contacts.branches[arm[0]]
     control = strokes.points_of(strokes.row(branch.stroke, drawing))
-    start, stop = _arc_at(control, branch.start), _arc_at(control, branch.stop)
+    ends = np.array([branch.start, branch.stop, len(control) // 3])
+    start, stop, whole = arc_to(control, ends).tolist()
     length, width = stop - start, contacts.width
     skip, reach = min(_SKIP * width, _SKIP_SHARE * length), min(_REACH * width, _REACH_SHARE * length)
     away = np.linspace(skip, reach, _PROBES)
     arc = stop - away if arm[1] else start + away
-    segment, t = parameter_at(control, np.clip(arc / max(arc_length(control), 1e-9), 0, 1))
+    segment, t = parameter_at(control, arc / max(whole, 1e-9))
     return evaluate(segments_of(control)[segment], t)
-
-
-def _arc_at(control: Floats, place: float) -> float:
-    """Arc length up to a place, given as segment plus parameter. px"""
-    lengths = segment_lengths(control)
-    k = min(int(place), len(lengths) - 1)
-    t = place - k
-    part = 0.0 if t <= 0 else arc_length(split(segments_of(control)[k], np.array(t))[0])
-    return float(lengths[:k].sum()) + part
 
 
 def _covering(traced: Traced, probes: Floats, width: float) -> tuple[int, Floats] | None:
     """The traced stroke that covers most probes, and where along it they lie [M] px; none if it covers too few."""
     direction = _unit(np.gradient(probes, axis=0))
-    arcs: dict[int, list[float]] = {}
-    for probe, along in zip(probes, direction, strict=True):
-        near = np.array(traced.tree.query_ball_point(probe, _NEAR * width), np.intp)
-        near = near[np.abs(traced.direction[near] @ along) >= _ALONG]
-        gap = np.linalg.norm(traced.tree.data[near] - probe, axis=1)
-        for stroke in np.unique(traced.stroke[near]).tolist():
-            here = traced.stroke[near] == stroke
-            arcs.setdefault(stroke, []).append(float(traced.arc[near[here][gap[here].argmin()]]))
-    covered = {stroke: len(found) for stroke, found in arcs.items() if len(found) >= _COVERED * len(probes)}
-    if not covered:
+    found = traced.tree.query_ball_point(probes, _NEAR * width)
+    probe = np.repeat(np.arange(len(probes)), [len(near) for near in found])
+    near = np.concatenate([np.asarray(part, np.intp) for part in found])
+    is_along = np.abs((traced.direction[near] * direction[probe]).sum(1)) >= _ALONG
+    probe, near = probe[is_along], near[is_along]
+    gap = np.linalg.norm(traced.tree.data[near] - probes[probe], axis=1)
+    order = np.lexsort((near, gap, probe, traced.stroke[near]))
+    stroke, probe, near = traced.stroke[near][order], probe[order], near[order]
+    is_nearest = np.ones(len(near), bool)  # the first of each stroke and probe
+    is_nearest[1:] = (np.diff(stroke) != 0) | (np.diff(probe) != 0)
+    stroke, near = stroke[is_nearest], near[is_nearest]
+    strokes, counts = np.unique(stroke, return_counts=True)
+    if not len(strokes) or counts.max() < _COVERED * len(probes):
         return None
-    best = max(covered, key=lambda stroke: (covered[stroke], -stroke))
-    return best, np.array(arcs[best])
+    best = int(strokes[counts.argmax()])
+    return best, traced.arc[near[stroke == best]]
 
 
 def _run_on(one: Floats, two: Floats, loop: float, width: float) -> bool:

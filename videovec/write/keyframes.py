@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from videovec.compiling import compiled
+
 __all__ = ["EVEN", "Animated", "ease", "parameter_of", "reduce_keyframes"]
 
 Floats = NDArray[np.float64]
@@ -14,6 +16,7 @@ Floats = NDArray[np.float64]
 EVEN = (1 / 3, 1 / 3, 2 / 3, 2 / 3)
 """Handles of an easing that moves evenly."""
 _NEWTON = 12  # steps, enough for handles that are not nearly upright
+_STILL = 1e-14  # how near to the value is near enough
 _REACH = 128  # samples over which one keyframe may reach; bounds the cost of long clips
 
 
@@ -65,11 +68,25 @@ def ease(handles: ArrayLike, share: Floats) -> Floats:
 
 def parameter_of(x1: float, x2: float, share: Floats) -> Floats:
     """Where on a cubic Bézier curve from 0 to 1 with handles at x1 and x2 in (0, 1) a value is. [...]"""
-    t = np.asarray(share, dtype=np.float64)
-    for _ in range(_NEWTON):
-        slope = 3 * ((1 - t) ** 2 * x1 + 2 * (1 - t) * t * (x2 - x1) + t**2 * (1 - x2))
-        t = np.clip(t - (_cubic(x1, x2, t) - share) / np.maximum(slope, 0.05), 0.0, 1.0)
-    return t
+    flat = np.ascontiguousarray(share, dtype=np.float64).ravel()
+    return parameters_of(float(x1), float(x2), flat, _NEWTON).reshape(np.shape(share))
+
+
+@compiled()
+def parameters_of(x1: float, x2: float, share: Floats, steps: int) -> Floats:
+    """`parameter_of` by Newton's steps. [n]"""
+    result = np.empty(len(share))
+    for i in range(len(share)):
+        t = share[i]
+        for _ in range(steps):
+            r = 1 - t
+            slope = 3 * (r * r * x1 + 2 * r * t * (x2 - x1) + t * t * (1 - x2))
+            off = 3 * r * r * t * x1 + 3 * r * t * t * x2 + t * t * t - share[i]
+            t = min(max(t - off / max(slope, 0.05), 0.0), 1.0)
+            if abs(off) < _STILL:
+                break
+        result[i] = t
+    return result
 
 
 def _cubic(first: float, second: float, t: Floats) -> Floats:
