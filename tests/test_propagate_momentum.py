@@ -27,22 +27,31 @@ def nodes_of(curves: list[Floats], *, is_closed: bool = False) -> tuple[Nodes, F
 def test_lines_without_paper_between_run_together_and_crossing_ones_do_not() -> None:
     curves = [line(20, 50, 100, 50), line(20, 54, 60, 54), line(80, 20, 80, 80)]
     nodes, positions = nodes_of(curves)
-    merged = merged_nodes(nodes, positions, np.full(3, 2.0), np.ones(len(nodes), bool))
+    down = np.where(nodes.stroke[:, None] == 1, [0.0, 2.0], 0.0)
+    merged = merged_nodes(nodes, positions, down, np.full(3, 2.0), np.ones(len(nodes), bool))
     x, y = positions.T
     assert merged[(nodes.stroke == 1)].all()
     assert merged[(y == 50) & (x < 60)].all()
     assert not merged[(y == 50) & (x > 66)].any()
     assert not merged[nodes.stroke == 2].any()
-    hidden = merged_nodes(nodes, positions, np.full(3, 2.0), nodes.stroke != 1)
+    hidden = merged_nodes(nodes, positions, down, np.full(3, 2.0), nodes.stroke != 1)
     assert not hidden.any()
+
+
+def test_lines_that_go_side_by_side_do_not_run_together() -> None:
+    nodes, positions = nodes_of([line(20, 50, 100, 50), line(100, 54, 20, 54)])
+    along = np.where(nodes.stroke[:, None] == 1, [9.0, 3.0], [0.0, 3.0])
+    assert not merged_nodes(nodes, positions, along, np.full(2, 2.0), np.ones(len(nodes), bool)).any()
 
 
 def test_both_sides_of_a_narrow_ring_run_together() -> None:
     nodes, positions = nodes_of([ellipse((80, 80), (2, 50))], is_closed=True)
-    merged = merged_nodes(nodes, positions, np.full(1, 2.0), np.ones(len(nodes), bool))
+    closing = 0.5 * (80 - positions) * [1.0, 0.0]
+    merged = merged_nodes(nodes, positions, closing, np.full(1, 2.0), np.ones(len(nodes), bool))
     assert merged[np.abs(positions[:, 1] - 80) < 35].all()
     wide, apart = nodes_of([ellipse((80, 80), (20, 50))], is_closed=True)
-    assert not merged_nodes(wide, apart, np.full(1, 2.0), np.ones(len(wide), bool)).any()
+    closing = 0.5 * (80 - apart) * [1.0, 0.0]
+    assert not merged_nodes(wide, apart, closing, np.full(1, 2.0), np.ones(len(wide), bool)).any()
 
 
 def test_an_affine_motion_is_its_own_affine_part() -> None:

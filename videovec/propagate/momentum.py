@@ -34,6 +34,8 @@ _SPREAD = 2.0
 """Spread of a stroke's nodes in a direction up to which its change of size there is not believed. working px"""
 PATIENCE = 6
 """For how many drawings a stroke may not be told apart before it is drawn to the ink again."""
+_MEETS = 6
+"""For how many drawings two lines run together at most that pass each other: slower ones go side by side."""
 _STIFFNESS = 0.3
 """Of the pull of where a node is expected, against 1 of the ink's."""
 
@@ -76,19 +78,22 @@ def momentum_of(source: Source, drift: Floats, half_width: Floats, waited: Ints)
         Their momentum.
     """
     nodes, goal, drawn = source.nodes, source.rest + drift, source.weight > 0
-    merged = merged_nodes(nodes, goal, half_width, drawn)
-    is_blind = nodes.shares(merged_nodes(nodes, source.rest, half_width, drawn)) >= _MOST
+    merged = merged_nodes(nodes, goal, drift, half_width, drawn)
+    is_blind = nodes.shares(merged_nodes(nodes, source.rest, drift, half_width, drawn)) >= _MOST
     waits = np.where(is_blind, waited + 1, 0)
     moves = (is_blind | (nodes.shares(merged) >= _MOST)) & (waits < PATIENCE)
     return Momentum(goal, moves, merged & moves[nodes.stroke], waits)
 
 
-def merged_nodes(nodes: Nodes, positions: Floats, half_width: Floats, drawn: Bools) -> Bools:
-    """Nodes beside which another line runs so near that there is no paper between. bool [N]
+def merged_nodes(nodes: Nodes, positions: Floats, drift: Floats, half_width: Floats, drawn: Bools) -> Bools:
+    """Nodes beside which a line that comes or goes runs so near that there is no paper between. bool [N]
+
+    Lines that go side by side keep their distance by what ties them; if they went on as they did, they would slide.
 
     Args:
         nodes: N nodes.
         positions: Where they are. [N, 2] working px
+        drift: How far each goes in a step. [N, 2] working px
         half_width: Half-width of each stroke. [S] working px
         drawn: Nodes in seen parts of their strokes. bool [N]
     """
@@ -103,8 +108,17 @@ def merged_nodes(nodes: Nodes, positions: Floats, half_width: Floats, drawn: Boo
     beside = np.linalg.norm(positions[a] - positions[b], axis=1) <= reach
     beside &= np.abs((tangent[a] * tangent[b]).sum(1)) >= _PARALLEL
     beside &= (nodes.stroke[a] != nodes.stroke[b]) | (_along(nodes, positions, a, b) >= _AWAY * reach)
+    beside &= _approach((tangent[a], tangent[b]), drift[a] - drift[b]) >= reach / _MEETS
     merged[a[beside]] = merged[b[beside]] = True
     return merged
+
+
+def _approach(tangents: tuple[Floats, Floats], drift: Floats) -> Floats:
+    """How fast lines come nearer across themselves, or part; ``drift`` is of one against the other. [K] working px"""
+    one, two = tangents
+    along = one + np.where((one * two).sum(1) < 0, -1.0, 1.0)[:, None] * two
+    along /= np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
+    return np.abs(along[:, 0] * drift[:, 1] - along[:, 1] * drift[:, 0])
 
 
 def _along(nodes: Nodes, positions: Floats, a: Ints, b: Ints) -> Floats:
