@@ -104,11 +104,25 @@ def test_a_wrong_number_of_control_points_is_an_error(count: int) -> None:
         curves.segments_of(np.zeros((count, 2)))
 
 
-def test_arc_to_places_is_the_length_of_the_parts_before_them() -> None:
+def test_a_ruler_measures_up_to_places_and_finds_them_again() -> None:
     points = np.array([[0, 0], [10, 30], [40, -20], [60, 10], [70, 25], [90, 40], [100, 0]], float)
+    segments = curves.segments_of(points)
+    ruler = curves.Ruler.of(segments)
     for place in (0.0, 0.3, 0.9999, 1.0, 1.01, 1.7, 2.0):
         k = min(int(place), 1)
-        samples = curves.evaluate(curves.segments_of(points)[k], np.linspace(0.0, place - k, 20001))
+        samples = curves.evaluate(segments[k], np.linspace(0.0, place - k, 20001))
         before = curves.arc_length(points[:4]) if k else 0.0
         expected = before + np.linalg.norm(np.diff(samples, axis=0), axis=1).sum()
-        assert curves.arc_to(points, np.array([place]))[0] == pytest.approx(expected, abs=1e-5)
+        assert ruler.arc_at(np.array([place]))[0] == pytest.approx(expected, abs=1e-5)
+        segment, t = ruler.place_at(np.array([expected]))
+        assert segment[0] + t[0] == pytest.approx(place, abs=1e-6)
+
+
+def test_a_ruler_measures_splines_that_do_not_touch_as_if_each_were_alone() -> None:
+    one = np.array([[0, 0], [10, 30], [40, -20], [60, 10]], float)
+    two = np.array([[500, 0], [510, 10], [520, 0], [530, 5]], float)
+    ruler = curves.Ruler.of(np.stack([one, two]))
+    np.testing.assert_allclose(np.diff(ruler.ends), [curves.arc_length(one), curves.arc_length(two)])
+    segment, t = ruler.place_at(ruler.ends[1] + np.array([0.25, 0.5]) * curves.arc_length(two))
+    assert segment.tolist() == [1, 1]
+    np.testing.assert_allclose(t, curves.parameter_at(two, [0.25, 0.5])[1], atol=1e-9)

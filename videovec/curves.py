@@ -6,6 +6,7 @@ ink, colour or time.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -14,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from videovec.errors import FitError
 
 __all__ = [
+    "Ruler",
     "arc_length",
-    "arc_to",
     "derivative",
     "evaluate",
     "parameter_at",
@@ -107,12 +108,6 @@ def split(control: Floats, t: ArrayLike) -> tuple[Floats, Floats]:
     return np.stack(before, axis=-2), np.stack(after[::-1], axis=-2)
 
 
-def _velocities(points: Floats, segment: Ints) -> Floats:
-    """Velocity of segments of a spline as a polynomial of t. [3, 2, M]"""
-    legs = np.diff(segments_of(points), axis=1)[segment]
-    return np.ascontiguousarray((_POWERS @ legs).transpose(1, 2, 0))
-
-
 def _speed_at(velocity: Floats, t: Floats) -> Floats:
     """Speed at parameters [K, M] of M segments whose velocity is this polynomial of t [3, 2, M]. [K, M]"""
     x, y = (velocity[0, i] + t * (velocity[1, i] + t * velocity[2, i]) for i in range(2))
@@ -125,34 +120,68 @@ def _lengths_between(velocity: Floats, start: Floats, stop: Floats) -> Floats:
     return np.asarray(half * (_WEIGHTS @ _speed_at(velocity, start + half * (1.0 + _NODES[:, None]))))
 
 
-def _length_table(points: Floats) -> Floats:
-    """Arc length from the start of a spline to the ends of every interval of every segment. [16n+1]"""
-    legs = np.diff(segments_of(points), axis=1)
-    velocity = _TABLE_BASIS @ legs
-    speed = np.sqrt(np.einsum("gtk,gtk->gt", velocity, velocity)).reshape(-1, len(_NODES))
-    table = np.zeros(len(speed) + 1)
-    np.cumsum(speed @ (0.5 / _INTERVALS * _WEIGHTS), out=table[1:])
-    return table
+@dataclass(frozen=True, slots=True, eq=False)
+class Ruler:
+    """Arc length along segments one after the other, which need not touch: many splines are measured at once.
+
+    Args:
+        legs: Differences of the control points of each segment. [G, 3, 2]
+        table: Arc length from the first segment to the ends of every interval of every segment. [16G+1]
+    """
+
+    legs: Floats
+    table: Floats
+
+    @staticmethod
+    def of(segments: Floats) -> Ruler:
+        """Measure segments [G, 4, 2]."""
+        legs = np.diff(segments, axis=1)
+        velocity = _TABLE_BASIS @ legs
+        speed = np.sqrt(np.einsum("gtk,gtk->gt", velocity, velocity)).reshape(-1, len(_NODES))
+        table = np.zeros(len(speed) + 1)
+        np.cumsum(speed @ (0.5 / _INTERVALS * _WEIGHTS), out=table[1:])
+        return Ruler(legs, table)
+
+    @property
+    def ends(self) -> Floats:
+        """Arc length at which each segment begins, then that of all. [G+1]"""
+        return self.table[::_INTERVALS]
+
+    def arc_at(self, places: Floats) -> Floats:
+        """Arc length up to places, given as segment plus parameter. [M]"""
+        at = np.clip((places * _INTERVALS).astype(np.intp), 0, len(self.table) - 2)
+        segment, interval = at // _INTERVALS, at % _INTERVALS
+        t = np.clip(places - segment, 0.0, 1.0)
+        return np.asarray(self.table[at] + _lengths_between(self._velocities(segment), interval / _INTERVALS, t))
+
+    def place_at(self, arc: Floats) -> tuple[Ints, Floats]:
+        """The segment and the parameter in it at arc lengths. int [M], [M]"""
+        at = np.clip(np.searchsorted(self.table, arc, side="right") - 1, 0, len(self.table) - 2)
+        segment, interval = at // _INTERVALS, at % _INTERVALS
+        velocity = self._velocities(segment)
+        start = interval / _INTERVALS
+        along, width = arc - self.table[at], self.table[at + 1] - self.table[at]
+        t = start + np.where(width > 0, along / np.where(width > 0, width, 1.0), 0.0) / _INTERVALS
+        for _ in range(2):  # Newton on the arc length; the table's linear guess is close
+            speed = _speed_at(velocity, t)
+            excess = _lengths_between(velocity, start, t) - along
+            step = np.where(speed > 1e-9, excess / np.maximum(speed, 1e-9), 0.0)
+            t = np.minimum(np.maximum(t - step, start), start + 1.0 / _INTERVALS)
+        return segment, t
+
+    def _velocities(self, segment: Ints) -> Floats:
+        """Velocity of segments as a polynomial of t. [3, 2, M]"""
+        return np.ascontiguousarray((_POWERS @ self.legs[segment]).transpose(1, 2, 0))
 
 
 def segment_lengths(points: Floats) -> Floats:
     """Arc length of each segment of a spline [3n+1, 2]. [n]"""
-    return np.asarray(np.diff(_length_table(points)[::_INTERVALS]))
+    return np.asarray(np.diff(Ruler.of(segments_of(points)).ends))
 
 
 def arc_length(points: Floats) -> float:
     """Arc length of a spline [3n+1, 2]."""
-    return float(_length_table(points)[-1])
-
-
-def arc_to(points: Floats, places: Floats) -> Floats:
-    """Arc length from the start of a spline [3n+1, 2] to places on it, given as segment plus parameter. [M]"""
-    table = _length_table(points)
-    at = np.clip((places * _INTERVALS).astype(np.intp), 0, len(table) - 2)
-    segment, interval = at // _INTERVALS, at % _INTERVALS
-    velocity = _velocities(points, segment)
-    t = np.clip(places - segment, 0.0, 1.0)
-    return np.asarray(table[at] + _lengths_between(velocity, interval / _INTERVALS, t))
+    return float(Ruler.of(segments_of(points)).table[-1])
 
 
 def parameter_at(points: Floats, u: ArrayLike) -> tuple[Ints, Floats]:
@@ -165,20 +194,8 @@ def parameter_at(points: Floats, u: ArrayLike) -> tuple[Ints, Floats]:
     Returns:
         Segment and parameter within it. int [M], [M]
     """
-    table = _length_table(points)
-    wanted = np.clip(np.asarray(u, dtype=np.float64), 0.0, 1.0) * table[-1]
-    at = np.clip(np.searchsorted(table, wanted, side="right") - 1, 0, len(table) - 2)
-    segment, interval = at // _INTERVALS, at % _INTERVALS
-    velocity = _velocities(points, segment)
-    start = interval / _INTERVALS
-    along, width = wanted - table[at], table[at + 1] - table[at]
-    t = start + np.where(width > 0, along / np.where(width > 0, width, 1.0), 0.0) / _INTERVALS
-    for _ in range(2):  # Newton on the arc length; the table's linear guess is close
-        speed = _speed_at(velocity, t)
-        excess = _lengths_between(velocity, start, t) - along
-        step = np.where(speed > 1e-9, excess / np.maximum(speed, 1e-9), 0.0)
-        t = np.minimum(np.maximum(t - step, start), start + 1.0 / _INTERVALS)
-    return segment, t
+    ruler = Ruler.of(segments_of(points))
+    return ruler.place_at(np.clip(np.asarray(u, dtype=np.float64), 0.0, 1.0) * ruler.table[-1])
 
 
 def sample_by_arc(points: Floats, count: int) -> Floats:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from videovec.curves import arc_length, arc_to, derivative, evaluate, parameter_at, segments_of
+from videovec.curves import Ruler, derivative, evaluate
 from videovec.strokes import Strokes
 from videovec.vote.contacts import Arm, Contacts
 
-__all__ = ["Ballot", "Traced", "count", "traced_on"]
+__all__ = ["Ballot", "Traced", "Voice", "count", "hear", "traced_on"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -66,84 +67,133 @@ class Ballot:
 
 def traced_on(strokes: Strokes) -> Traced | None:
     """Samples of strokes that were traced on one drawing; nothing if there are none."""
-    points, direction, owner, arcs = [], [], [], []
-    loop = np.full(len(strokes), np.inf)
-    for row in range(strokes.row_count):
-        control = strokes.points_of(row)
-        length = arc_length(control)
-        if length < _STEP:
-            continue
-        u = np.linspace(0.0, 1.0, int(np.ceil(length / _STEP)) + 1)
-        segment, t = parameter_at(control, u)
-        points.append(evaluate(segments_of(control)[segment], t))
-        direction.append(_unit(derivative(segments_of(control)[segment], t)))
-        owner.append(np.full(len(u), row, np.intp))
-        arcs.append(u * length)
-        if strokes.is_closed[row]:
-            loop[row] = length
-    if not points:
+    segments, ends = strokes.segments(), strokes.layout.row_segments
+    ruler = Ruler.of(segments)
+    starts = ruler.ends[ends]
+    length = np.diff(starts)
+    count = np.where(length >= _STEP, np.ceil(length / _STEP).astype(np.intp) + 1, 0)
+    if not count.any():
         return None
+    owner = np.repeat(np.arange(strokes.row_count), count)
+    sample = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+    arc = sample * length[owner] / (count[owner] - 1)
+    segment, t = _within(ruler.place_at(starts[owner] + arc), ends, owner)
     return Traced(
-        cKDTree(np.concatenate(points)), np.concatenate(direction), np.concatenate(owner), np.concatenate(arcs), loop
+        cKDTree(evaluate(segments[segment], t)),
+        _unit(derivative(segments[segment], t)),
+        owner,
+        arc,
+        np.where(strokes.is_closed & (length >= _STEP), length, np.inf),
     )
 
 
-def count(strokes: Strokes, contacts: Contacts, junction: tuple[Arm, ...], drawings: dict[int, Traced]) -> Ballot:
+def _within(places: tuple[Ints, Floats], ends: Ints, row: Ints) -> tuple[Ints, Floats]:
+    """Places on segments, moved to the end of the row that they belong to where they lie beyond it."""
+    segment, t = places
+    first, last = ends[row], ends[row + 1] - 1
+    t = np.where(segment > last, 1.0, np.where(segment < first, 0.0, t))
+    return np.clip(segment, first, last), t
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Voice:
+    """What one drawing has to say.
+
+    Args:
+        covering: The traced stroke that lies along each arm, and where along it [M] px; none where there is none.
+        loop: Length of each traced stroke that is closed, infinite for open ones. [S] px
+    """
+
+    covering: dict[Arm, tuple[int, Floats] | None]
+    loop: Floats
+
+
+def hear(strokes: Strokes, contacts: Contacts, drawing: int, traced: Traced) -> Voice:
+    """Find which traced strokes lie along the arms of all junctions on a drawing.
+
+    Args:
+        strokes: The strokes that are carried, alive on the drawing.
+        contacts: Their branches.
+        drawing: Which.
+        traced: What was traced on it.
+    """
+    arms = sorted({arm for junction in contacts.junctions for arm in junction})
+    if not arms:
+        return Voice({}, traced.loop)
+    probes = _probes(strokes, contacts, arms, drawing)
+    return Voice(dict(zip(arms, _covering(traced, probes, contacts.width), strict=True)), traced.loop)
+
+
+def count(contacts: Contacts, junction: tuple[Arm, ...], voices: list[Voice]) -> Ballot:
     """Count the votes on a junction.
 
     Args:
-        strokes: The strokes that are carried, alive on all of the drawings.
-        contacts: Their branches.
+        contacts: The branches of the strokes that are carried.
         junction: The arms that meet.
-        drawings: What was traced on each drawing.
+        voices: What each drawing says.
     """
     size = len(junction)
     linked, known = np.zeros((size, size)), np.zeros((size, size))
-    for drawing, traced in drawings.items():
-        seen = [_covering(traced, _probes(strokes, contacts, arm, drawing), contacts.width) for arm in junction]
+    for voice in voices:
         for i in range(size):
             for j in range(i):
-                one, two = seen[i], seen[j]
+                one, two = voice.covering[junction[i]], voice.covering[junction[j]]
                 if one is None or two is None:
                     continue
                 known[i, j] += 1
-                linked[i, j] += one[0] == two[0] and _run_on(one[1], two[1], float(traced.loop[one[0]]), contacts.width)
+                linked[i, j] += one[0] == two[0] and _run_on(one[1], two[1], float(voice.loop[one[0]]), contacts.width)
     return Ballot(linked + linked.T, known + known.T)
 
 
-def _probes(strokes: Strokes, contacts: Contacts, arm: Arm, drawing: int) -> Floats:
-    """Points on an arm, from the junction outwards. [_PROBES, 2] px"""
-    branch = contacts.branches[arm[0]]
-    control = strokes.points_of(strokes.row(branch.stroke, drawing))
-    ends = np.array([branch.start, branch.stop, len(control) // 3])
-    start, stop, whole = arc_to(control, ends).tolist()
+def _probes(strokes: Strokes, contacts: Contacts, arms: list[Arm], drawing: int) -> Floats:
+    """Points on arms, from the junction outwards. [A, _PROBES, 2] px"""
+    segments, ends = strokes.segments(), strokes.layout.row_segments
+    branches = [contacts.branches[arm[0]] for arm in arms]
+    rows = np.array([strokes.row(branch.stroke, drawing) for branch in branches], np.intp)
+    own, inverse = np.unique(rows, return_inverse=True)
+    bounds = np.concatenate([[0], np.cumsum(ends[own + 1] - ends[own])])
+    here = np.concatenate([segments[ends[row] : ends[row + 1]] for row in own])
+    ruler = Ruler.of(here)
+    places = np.array([[branch.start, branch.stop] for branch in branches]) + bounds[inverse][:, None]
+    start, stop = ruler.arc_at(places.ravel()).reshape(-1, 2).T
     length, width = stop - start, contacts.width
-    skip, reach = min(_SKIP * width, _SKIP_SHARE * length), min(_REACH * width, _REACH_SHARE * length)
-    away = np.linspace(skip, reach, _PROBES)
-    arc = stop - away if arm[1] else start + away
-    segment, t = parameter_at(control, arc / max(whole, 1e-9))
-    return evaluate(segments_of(control)[segment], t)
+    skip, reach = np.minimum(_SKIP * width, _SKIP_SHARE * length), np.minimum(_REACH * width, _REACH_SHARE * length)
+    away = np.linspace(skip, reach, _PROBES, axis=1)
+    is_stop = np.array([arm[1] == 1 for arm in arms])[:, None]
+    arc = np.where(is_stop, stop[:, None] - away, start[:, None] + away)
+    segment, t = _within(ruler.place_at(arc.ravel()), bounds, np.repeat(inverse, _PROBES))
+    return evaluate(here[segment], t).reshape(-1, _PROBES, 2)
 
 
-def _covering(traced: Traced, probes: Floats, width: float) -> tuple[int, Floats] | None:
-    """The traced stroke that covers most probes, and where along it they lie [M] px; none if it covers too few."""
-    direction = _unit(np.gradient(probes, axis=0))
-    found = traced.tree.query_ball_point(probes, _NEAR * width)
-    probe = np.repeat(np.arange(len(probes)), [len(near) for near in found])
+def _covering(traced: Traced, probes: Floats, width: float) -> list[tuple[int, Floats] | None]:
+    """For each arm [A, P, 2] the traced stroke that covers most probes, and where along it they lie [M] px.
+
+    None if it covers too few.
+    """
+    direction = _unit(np.gradient(probes, axis=1)).reshape(-1, 2)
+    where = probes.reshape(-1, 2)
+    found = traced.tree.query_ball_point(where, _NEAR * width)
+    probe = np.repeat(np.arange(len(where)), [len(near) for near in found])
     near = np.concatenate([np.asarray(part, np.intp) for part in found])
     is_along = np.abs((traced.direction[near] * direction[probe]).sum(1)) >= _ALONG
     probe, near = probe[is_along], near[is_along]
-    gap = np.linalg.norm(traced.tree.data[near] - probes[probe], axis=1)
-    order = np.lexsort((near, gap, probe, traced.stroke[near]))
-    stroke, probe, near = traced.stroke[near][order], probe[order], near[order]
-    is_nearest = np.ones(len(near), bool)  # the first of each stroke and probe
-    is_nearest[1:] = (np.diff(stroke) != 0) | (np.diff(probe) != 0)
-    stroke, near = stroke[is_nearest], near[is_nearest]
-    strokes, counts = np.unique(stroke, return_counts=True)
-    if not len(strokes) or counts.max() < _COVERED * len(probes):
+    gap = np.linalg.norm(traced.tree.data[near] - where[probe], axis=1)
+    order = np.lexsort((near, gap, traced.stroke[near], probe))
+    probe, near = probe[order], near[order]
+    is_nearest = np.ones(len(near), bool)  # the first of each stroke at each probe
+    is_nearest[1:] = (np.diff(probe) != 0) | (np.diff(traced.stroke[near]) != 0)
+    probe, near = probe[is_nearest], near[is_nearest]
+    bounds = np.searchsorted(probe, probes.shape[1] * np.arange(len(probes) + 1))
+    return [_most(traced, near[a:b], _COVERED * probes.shape[1]) for a, b in pairwise(bounds)]
+
+
+def _most(traced: Traced, near: Ints, least: float) -> tuple[int, Floats] | None:
+    """The stroke that most of some samples are of, and where along it they lie; none if they are too few."""
+    strokes, counts = np.unique(traced.stroke[near], return_counts=True)
+    if not len(strokes) or counts.max() < least:
         return None
     best = int(strokes[counts.argmax()])
-    return best, traced.arc[near[stroke == best]]
+    return best, traced.arc[near[traced.stroke[near] == best]]
 
 
 def _run_on(one: Floats, two: Floats, loop: float, width: float) -> bool:

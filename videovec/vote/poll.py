@@ -16,7 +16,7 @@ from videovec.ink import Ink
 from videovec.progress import Progress, Silent
 from videovec.propagate import Propagated, Trace, events_of
 from videovec.strokes import Strokes
-from videovec.vote.ballot import Ballot, count, traced_on
+from videovec.vote.ballot import Ballot, count, hear, traced_on
 from videovec.vote.contacts import Arm, Contacts, find_contacts
 from videovec.vote.recut import recut
 
@@ -48,17 +48,17 @@ def vote(ink: Ink, carried: Propagated, seed: int, trace: Trace, progress: Progr
         return carried
     progress.stage("vote", len(drawings))
     contacts = _of(find_contacts(strokes.select(common), seed), common)
-    traced = {}
+    voices = []
     for drawing in drawings:
-        samples = traced_on(trace(ink.at_drawing(drawing), 0))
-        if samples is not None:
-            traced[drawing] = samples
+        traced = traced_on(trace(ink.at_drawing(drawing), 0))
+        if traced is not None:
+            voices.append(hear(strokes, contacts, drawing, traced))
         progress.advance()
     links: set[tuple[Arm, Arm]] = set()
     now: set[tuple[Arm, Arm]] = set()
     for junction in contacts.junctions:
         current = contacts.links(junction)
-        ballot = count(strokes, contacts, junction, traced)
+        ballot = count(contacts, junction, voices)
         links |= _elected(ballot, junction, current)
         now |= current
     if links == now:
