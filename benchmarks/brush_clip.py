@@ -73,7 +73,8 @@ def jitter(fit: BrushFit, drawn: list[Drawn]) -> Floats:
             near = distance.argmin(1) + part.start
             place = samples.segment[near] - layout.row_segments[row] + samples.t[near]
             u = fit.laying.sign[stroke] * samples.arc[near] / fit.brush.width
-            found[stroke, :, k] = u + np.interp(place, np.arange(len(phase)), phase)
+            laid = phase + fit.laying.shift[layout.row_joints[row] : layout.row_joints[row + 1]]
+            found[stroke, :, k] = u + np.interp(place, np.arange(len(phase)), laid)
     return np.diff(found, axis=2).std(axis=2)[:, 1:-1] * TEXELS_PER_WIDTH
 
 

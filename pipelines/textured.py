@@ -33,4 +33,4 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     if ink.drawing_count > 1:  # a still was fitted already
         strokes = fit(solid, strokes, config.fit, config.render, progress).finished().strokes
     textured = fit_brushes(ink, strokes, config.brush, progress, config.seed)
-    return StrokeTracks.of(clip, ink, textured.result, carried.events, textured.brushwork)
+    return StrokeTracks.of(clip, ink, textured.result, textured.events(carried.events), textured.brushwork)

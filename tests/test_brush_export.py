@@ -157,7 +157,7 @@ def test_the_same_seed_draws_the_same_and_another_does_not(brush: Brush) -> None
 def test_solid_strokes_hold_as_much_ink_as_textured_ones(brush: Brush) -> None:
     curve = np.stack([np.linspace(10, 190, 4), np.full(4, 25.0)], axis=1)
     strokes = Strokes.from_curves([curve], [np.full(2, 5.0)])
-    laying = Laying(np.ones(1), np.zeros(2), np.array([0.5, 0.9]), np.zeros(1))
+    laying = Laying(np.ones(1), np.zeros(2), np.array([0.5, 0.9]), np.zeros(2))
     textured = (1 - apply_brush(brush, strokes, (50, 200), laying)[..., 0]).sum()
     plain = solid_strokes(Brushwork((brush,), np.zeros(1, np.intp), laying), strokes)
     assert plain.opacity[0] * 180 * 10 == pytest.approx(textured, rel=0.12)

@@ -12,10 +12,12 @@ from videovec.brush import Brush, BrushModel, Laying
 from videovec.brush.align import find_repeat
 from videovec.brush.drift import learn_texture, lie_along
 from videovec.brush.lifts import find_lifts, part_strokes
+from videovec.brush.partings import number_parts, parting_events, wholes_of
 from videovec.brush.refine import Laid
 from videovec.brush.repeat import recurrence
 from videovec.brush.shape import unfairness
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
+from videovec.events import Event, EventKind
 from videovec.strokes import Strokes
 
 Floats = NDArray[np.float64]
@@ -114,3 +116,23 @@ def test_even_segments_are_fair_at_any_size_and_folded_ones_are_not() -> None:
     assert float(unfairness(straight)) == pytest.approx(0.0, abs=1e-12)
     assert float(unfairness(7 * bent)) == pytest.approx(float(unfairness(bent)))
     assert float(unfairness(folded)) > 20 * float(unfairness(bent))
+
+
+def test_parts_have_identities_of_their_own_and_a_split_says_where_they_come_from() -> None:
+    points = np.stack([np.arange(0.0, 130.0, 10.0), np.zeros(13)], axis=1)
+    given = Strokes.from_curves([points, points + 50.0, points + 99.0], [np.full(5, 3.0)] * 3)
+    first, other = given.select(np.array([True, True, False])), given.select(np.array([False, False, True]))
+    brush = Brush("chalk", BrushModel.TEXTURE, np.full((108, 24), 0.5), 8.0, 9.0)
+    lifts = [np.array([5.0, 10.0]), np.zeros(0)]
+    parted = part_strokes(Laid(first, Laying.plain(first.layout), brush), lifts).strokes
+    strokes = Strokes.concatenate([number_parts(parted, first, 3), other])
+    assert strokes.ids.tolist() == [1, 4, 5, 2, 3]
+    whole = wholes_of(strokes, given)
+    assert whole.tolist() == [1, 1, 1, 2, 3]
+    before = (Event(EventKind.DEATH, 7, (2,)), Event(EventKind.DEATH, 7, (1,)))
+    support = np.array([1.0, 0.5, 0.9, 0.2, 0.2])
+    split, *deaths = parting_events(strokes, whole, support, before)
+    assert (split.kind, split.drawing, split.ids, split.parents) == (EventKind.SPLIT, 0, (1, 4, 5), (1,))
+    assert split.score == pytest.approx(0.8)
+    assert [event.ids for event in deaths] == [(1,), (2,), (4,), (5,)]
+    assert parting_events(given, given.ids, np.ones(3), before[:1]) == before[:1]

@@ -65,14 +65,15 @@ class Laying:
     """How a brush was laid along S strokes over their drawings, in R rows.
 
     A texel is at u = sign * arc / width + phase + shift, v = sign * distance / half-width: a stroke drawn from its end
-    has sign -1. Phases belong to the stroke and not to its drawings, so that a texture does not swim; the shift of a
-    drawing is where its first point lies along the ink, and is anything only where lines boil.
+    has sign -1. Phases belong to the stroke and not to its drawings, so that a texture does not swim; shifts say where
+    the arc of one drawing is wrong by more than the others': a first point that lies elsewhere along the ink, a corner
+    cut short. They are anything only where lines boil.
 
     Args:
         sign: Direction in which each stroke was drawn, 1 or -1. [S]
         phase: At every joint of a stroke, stroke by stroke; linear in t between. [sum of n+1] widths
         density: Ink at every joint of every row against the stroke's opacity, linear in t. [J] in [0, 1]
-        shift: Of every row. [R] widths
+        shift: At every joint of every row, linear in t. [J] widths
     """
 
     sign: Floats
@@ -85,24 +86,22 @@ class Laying:
         """Every stroke drawn from its beginning with full density, from the given phases [S] or from 0."""
         joints = layout.segments + 1
         start = np.zeros(len(joints)) if phase is None else phase
-        rows = int(layout.stroke_rows[-1])
-        return Laying(
-            np.ones(len(joints)), np.repeat(start, joints), np.ones(int(layout.row_joints[-1])), np.zeros(rows)
-        )
+        count = int(layout.row_joints[-1])
+        return Laying(np.ones(len(joints)), np.repeat(start, joints), np.ones(count), np.zeros(count))
 
     def select(self, layout: Layout, which: NDArray[np.bool_]) -> Laying:
         """The laying of some strokes, by mask, as `Strokes.select` gives them."""
-        rows = which[layout.row_stroke]
+        joints = which[layout.row_stroke][layout.joint_row]
         of_phase = np.repeat(which, layout.segments + 1)
-        return Laying(self.sign[which], self.phase[of_phase], self.density[rows[layout.joint_row]], self.shift[rows])
+        return Laying(self.sign[which], self.phase[of_phase], self.density[joints], self.shift[joints])
 
     def at_drawing(self, layout: Layout, drawing: int) -> Laying:
         """The laying of the strokes alive at one drawing, as `Strokes.at_drawing` gives them."""
         rows = layout.row_drawing == drawing
         stroke = np.zeros(len(layout.segments), np.bool_)
         stroke[layout.row_stroke[rows]] = True
-        of_phase = np.repeat(stroke, layout.segments + 1)
-        return Laying(self.sign[stroke], self.phase[of_phase], self.density[rows[layout.joint_row]], self.shift[rows])
+        joints, of_phase = rows[layout.joint_row], np.repeat(stroke, layout.segments + 1)
+        return Laying(self.sign[stroke], self.phase[of_phase], self.density[joints], self.shift[joints])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,7 +158,7 @@ def _parts(laying: Laying, layout: Layout, stroke: int) -> tuple[Floats, ...]:
         laying.sign[stroke : stroke + 1],
         laying.phase[phases[stroke] : phases[stroke + 1]],
         laying.density[joints[first] : joints[last]],
-        laying.shift[first:last],
+        laying.shift[joints[first] : joints[last]],
     )
 
 

@@ -53,7 +53,7 @@ def lay_boiling(laid: Laid, strips: list[Strip], found: Alignment) -> Laid:
         found: How each of them lies.
 
     Returns:
-        The strokes laid: one direction and one run of phases for each, and a shift for each row.
+        The strokes laid: one direction and one run of phases for each, and one shift for each row.
     """
     layout, width = laid.strokes.layout, laid.brush.width
     arcs = [arc / width for arc in joint_arcs(apart(laid).strokes)]
@@ -67,7 +67,7 @@ def lay_boiling(laid: Laid, strips: list[Strip], found: Alignment) -> Laid:
         shift[rows] = at_joints.mean(axis=1)
         phase.append((at_joints - shift[rows, None]).mean(axis=0))
     plain = lay_texture(laid, replace(found, sign=sign, offset=tuple(np.zeros(1) for _ in sign)))
-    return replace(plain, laying=replace(plain.laying, phase=np.concatenate(phase), shift=shift))
+    return replace(plain, laying=replace(plain.laying, phase=np.concatenate(phase), shift=shift[layout.joint_row]))
 
 
 def _place(strip: Strip, found: Alignment, row: int, sign: float) -> Floats:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from videovec.brush.align import Alignment, Folded, align, spread
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 
-__all__ = ["explained_at", "learn_texture", "lie_along", "texture_of", "textures_without"]
+__all__ = ["explained_at", "follow", "learn_texture", "lie_along", "texture_of", "textures_without"]
 
 Floats = NDArray[np.float64]
 
@@ -69,7 +69,7 @@ def lie_along(
     way, phase, _ = folded.best(texture, ways)
     sign = 1.0 if way == 0 else -1.0
     begin = phase * repeat / len(texture) + (0.0 if way == 0 else len(strip.grain) / TEXELS_PER_WIDTH)
-    offset, share = _follow(strip, sign, np.full(len(strip.grain), begin), texture, repeat)
+    offset, share = follow(strip, sign, np.full(len(strip.grain), begin), texture, repeat)
     return sign, offset, share
 
 
@@ -89,7 +89,7 @@ def _with_drift(strips: list[Strip], rigid: Alignment) -> Alignment:
     offsets, explained = [], []
     for k, strip in enumerate(strips):
         others = (values - parts[k][0]) / (np.maximum(weights - parts[k][1], 0) + _RIDGE)
-        offset, share = _follow(strip, rigid.sign[k], rigid.offset[k], others, rigid.repeat)
+        offset, share = follow(strip, rigid.sign[k], rigid.offset[k], others, rigid.repeat)
         offsets.append(offset)
         explained.append(share)
         moved = _spread(strip, rigid.sign[k], offset, rigid.repeat, columns)
@@ -118,8 +118,19 @@ def _spread(strip: Strip, sign: float, offset: Floats, repeat: float, columns: i
     return spread(seen, _place(len(strip.grain), sign, offset, repeat, columns), columns)
 
 
-def _follow(strip: Strip, sign: float, offset: Floats, template: Floats, repeat: float) -> tuple[Floats, float]:
-    """Offset [L] along a strip at which the template fits it best, and the share of its grain explained there."""
+def follow(strip: Strip, sign: float, offset: Floats, template: Floats, repeat: float) -> tuple[Floats, float]:
+    """How the offset drifts along a strip so that a template fits it best.
+
+    Args:
+        strip: The stroke unrolled.
+        sign: Its direction.
+        offset: Where to look, to either side. [L] widths
+        template: Grain, profile removed. [U, V]
+        repeat: Length of the template. Widths
+
+    Returns:
+        Offset of each texel [L] in widths, and the share of the grain explained there.
+    """
     columns, length = len(template), len(strip.grain)
     across = slice(None, None, 1 if sign > 0 else -1)
     grain, weight = strip.grain[:, across], strip.weight[:, across]

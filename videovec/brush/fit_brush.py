@@ -19,6 +19,7 @@ from videovec.brush.lay import lay_again, lay_texture
 from videovec.brush.lifts import find_lifts, part_strokes
 from videovec.brush.prepare import fit_profile, mean_width, shorten_segments
 from videovec.brush.refine import Laid, RefineSchedule, refine
+from videovec.brush.settle import settle
 from videovec.brush.storage import load_brush
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip, unroll
 from videovec.brushwork import Brush, BrushModel, Laying
@@ -102,7 +103,8 @@ def fit_brush(
         if evidence.model is BrushModel.GRAIN:
             laid = _with_grain(laid, ink.coverage, rng)
             if boils:
-                shift = rng.uniform(0, GRAIN_WIDTHS, len(laid.laying.shift))
+                layout = laid.strokes.layout
+                shift = rng.uniform(0, GRAIN_WIDTHS, len(layout.row_stroke))[layout.joint_row]
                 laid = replace(laid, laying=replace(laid.laying, shift=shift))
     return BrushFit(laid.brush, laid.strokes, laid.laying, evidence, _ink_pixels(ink.coverage))
 
@@ -157,11 +159,12 @@ def _with_texture(
 ) -> Laid:
     """Fit texels, phases and strokes together; strokes that then lie better elsewhere are moved, once."""
     last = settings.texture_steps // 3
-    laid = lay_texture(laid, found)
+    shift = 0.003 if len(coverage) > 1 else 0.0  # less than phases move: a short stroke says little of one drawing
+    laid = settle(lay_texture(laid, found), coverage)
     for steps in (settings.texture_steps - last, last):
-        laid = refine(laid, coverage, RefineSchedule(steps, 0.08, 0.01, phase=0.01), progress)
+        laid = refine(laid, coverage, RefineSchedule(steps, 0.08, 0.01, phase=0.01, shift=shift), progress)
         if steps != last:
-            laid = lay_again(laid, coverage)
+            laid = settle(lay_again(laid, coverage), coverage)
     return full_scale(laid.brush, laid)
 
 

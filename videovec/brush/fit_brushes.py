@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from videovec.brush.apply import brush_coverage
 from videovec.brush.choose import Evidence
 from videovec.brush.fit_brush import BrushFit, fit_brush
+from videovec.brush.partings import number_parts, parting_events, wholes_of
 from videovec.brushwork import Brushwork, Laying
+from videovec.events import Event
 from videovec.fit import FitResult, compare
 from videovec.ink import Ink, ink_alone
 from videovec.progress import Progress
@@ -28,11 +30,17 @@ class TexturedFit:
         result: The strokes refined with their brushes, and what the ink says of them.
         brushwork: The brushes, and how they were laid.
         evidence: For each brush, why it is what it is.
+        whole: Identity of the stroke given to the fit that each one is, or is a part of. int [S]
     """
 
     result: FitResult
     brushwork: Brushwork
     evidence: tuple[Evidence, ...]
+    whole: NDArray[np.intp]
+
+    def events(self, before: tuple[Event, ...]) -> tuple[Event, ...]:
+        """What happened to the strokes, from what happened to those given to the fit."""
+        return parting_events(self.result.strokes, self.whole, self.result.evidence.support, before)
 
 
 def fit_brushes(
@@ -56,18 +64,21 @@ def fit_brushes(
     label = np.linalg.norm(strokes.color[:, None] - ink.palette, axis=2).argmin(axis=1)
     inks = np.unique(label)
     if settings.share == "clip" or len(inks) < 2:
-        fits = [fit_brush(ink, strokes, settings, progress, seed)]
+        shares = [(ink, strokes)]
     else:
-        fits = [
-            fit_brush(ink_alone(ink, int(one)), strokes.select(label == one), settings, progress, seed) for one in inks
-        ]
-    refined = Strokes.concatenate([fit.strokes for fit in fits])
+        shares = [(ink_alone(ink, int(one)), strokes.select(label == one)) for one in inks]
+    fits = [fit_brush(seen, given, settings, progress, seed) for seen, given in shares]
+    refined = Strokes.empty()
+    for fit, (_, given) in zip(fits, shares, strict=True):
+        highest = max([int(strokes.ids.max()), *refined.ids.tolist()])
+        refined = Strokes.concatenate([refined, number_parts(fit.strokes, given, highest)])
     brushes = [
         replace(fit.brush, name=f"{fit.brush.name}_{k + 1}" if k else fit.brush.name) for k, fit in enumerate(fits)
     ]
     brushwork = Brushwork(tuple(brushes), _chosen(fits), _together([fit.laying for fit in fits]))
     drawn = brush_coverage(brushwork, refined, ink.coverage.shape)
-    return TexturedFit(compare(ink, refined, drawn), brushwork, tuple(fit.evidence for fit in fits))
+    evidence = tuple(fit.evidence for fit in fits)
+    return TexturedFit(compare(ink, refined, drawn), brushwork, evidence, wholes_of(refined, strokes))
 
 
 def _chosen(fits: list[BrushFit]) -> NDArray[np.intp]:

@@ -14,7 +14,7 @@ from videovec.brush.refine import Laid
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip, joint_arcs, unroll
 from videovec.brushwork import Brush, BrushModel, stroke_joints
 
-__all__ = ["lay_again", "lay_texture", "phases_at"]
+__all__ = ["lay_again", "lay_texture", "offsets_at", "phases_at"]
 
 Floats = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ def lay_again(laid: Laid, coverage: NDArray[np.uint8]) -> Laid:
     for stroke, strip in enumerate(unroll(laid, coverage)):
         part = slice(starts[stroke], starts[stroke + 1])
         at = arcs[stroke] / laid.brush.width
-        now = _offsets(strip, at, phase[part])
+        now = offsets_at(strip, at, phase[part])
         share = explained_at(strip, texture, laid.brush.repeat, sign[stroke], now)
         other_sign, offset, other_share = lie_along(strip, texture, laid.brush.repeat)
         if other_share > share + _BETTER:
@@ -59,5 +59,6 @@ def phases_at(joints: Floats, offset: Floats) -> Floats:
     return np.interp(joints, _texel_arcs(len(offset)), offset)
 
 
-def _offsets(strip: Strip, joints: Floats, phase: Floats) -> Floats:
+def offsets_at(strip: Strip, joints: Floats, phase: Floats) -> Floats:
+    """Offset of each texel [L] of a strip from the phases of joints at arcs in widths."""
     return np.interp(_texel_arcs(len(strip.grain)), joints, phase)

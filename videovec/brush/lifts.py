@@ -208,4 +208,4 @@ def _cut(laid: Laid, pieces: list[tuple[int, int, int]]) -> Laid:
     )
     laying = laid.laying
     phase = laying.phase[np.concatenate(phases)]
-    return Laid(cut, Laying(laying.sign[source], phase, laying.density[joint], laying.shift[rows]), laid.brush)
+    return Laid(cut, Laying(laying.sign[source], phase, laying.density[joint], laying.shift[joint]), laid.brush)

@@ -71,7 +71,7 @@ class BrushTensors:
         half_width: Half-width at joints. [J] px
         density: Ink at joints, opacity included. [J] in [0, 1]
         phase: Phase at joints of strokes. [sum of n+1] widths
-        shift: Shift of each row. [R] widths
+        shift: Shift at joints. [J] widths
         strip: Ink of the brush. [U, V] in [0, 1]
         width: Width that a unit of u stands for. px
         repeat: Length of the strip. Widths
@@ -171,7 +171,7 @@ def stroke_coordinates(pairs: Pairs, tensors: BrushTensors) -> tuple[Tensor, Ten
     distance = pairs.offset - (nearest * pairs.direction).sum(1)
     half_width = _between(tensors.half_width, pairs.joints, pairs.t).clamp(min=1e-3)
     moved = (tensors.points[pairs.origin] * pairs.tangent).sum(1) - pairs.begin
-    laid = _between(tensors.phase, pairs.phases, pairs.t) + tensors.shift[pairs.row]
+    laid = _between(tensors.phase, pairs.phases, pairs.t) + _between(tensors.shift, pairs.joints, pairs.t)
     return pairs.sign * (pairs.arc - moved) / tensors.width + laid, pairs.sign * distance / half_width
 
 
