@@ -66,7 +66,8 @@ def followed(curves: list[Floats], moved: list[Floats], is_seen: list[bool]) -> 
     shown = np.array(is_seen)[nodes.stroke]
     now = np.where(shown[:, None], nodes.weights @ np.concatenate(moved), positions)
     visible = tuple(((0.0, 1.0),) if seen else () for seen in is_seen)
-    hold = predict_hidden(lives, nodes, now, Support(shown, shown, visible, shown.astype(float), shown), (0, 1, 1.0))
+    support = Support(shown, shown, visible, shown.astype(float), shown)
+    hold = predict_hidden(lives, nodes, now, support, (0, 1, 1.0), np.zeros(len(lives), bool))
     return hold.goal, hold.stiffness, nodes
 
 

@@ -31,7 +31,7 @@ _BENT = 1.0
 _REACH = 2
 """Nodes on either side of the one that ink has chosen that it claims too."""
 _COVERED = 3.0
-"""What a node costs at most that lies under something, and at least that lies on the ink of another stroke. px"""
+"""What a node costs at most that lies under something or beyond the page, and at least that lies on the ink of another stroke. px"""
 _APART = 4.0
 """Motion of strokes against each other that costs half of what bending does; no motion costs more than this one. px"""
 _STIFFNESS = (1.0, 0.05)
@@ -111,7 +111,7 @@ def judge(source: Source, target: Target, positions: Floats) -> Verdict:
     ink_cost = np.minimum(np.sqrt(to_node), _TRUNCATION)
     _, gap = nearest(target.points, np.ascontiguousarray(features[:, :2]), np.zeros(len(ink), np.int64))
     node_far = counts & (target.distance_at(positions) > _FAR)
-    covered = find_covered(source.nodes, positions, node_far, target)
+    covered = find_covered(source.nodes, positions, node_far, target) | ~target.on_page(positions)
     node_cost[covered] = np.minimum(node_cost[covered], _COVERED)
     is_own = claimed(owner[stands[owner]][chosen], source.nodes)
     node_cost[counts & ~is_own] = np.maximum(node_cost[counts & ~is_own], _COVERED)

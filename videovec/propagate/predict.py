@@ -37,6 +37,8 @@ _OTHERWISE = 6.0
 """Motion against a stroke, in one step, at which another has a quarter of its say. px"""
 _FEWEST = 4.0
 """Sum of says below which nothing is known."""
+_FIRM = 10.0
+"""Stiffness of what stays where it is, against 1 of the ink's."""
 _SEEN, _UNSEEN = 0.1, 0.4
 """Stiffness of the pull of a prediction on seen and on hidden nodes of a stroke, against 1 of the ink's."""
 
@@ -53,9 +55,19 @@ class Hold:
     goal: Floats
     stiffness: Floats
 
+    def staying(self, positions: Floats, which: NDArray[np.bool_]) -> Hold:
+        """The same, with some nodes held firmly where they are."""
+        stiffness = np.where(which, _FIRM, self.stiffness)
+        return Hold(np.where(which[:, None], positions, self.goal), stiffness)
+
 
 def predict_hidden(
-    lives: list[Life], nodes: Nodes, positions: Floats, support: Support, step: tuple[int, int, float]
+    lives: list[Life],
+    nodes: Nodes,
+    positions: Floats,
+    support: Support,
+    step: tuple[int, int, float],
+    front: NDArray[np.bool_],
 ) -> Hold:
     """Predict the strokes of which less is seen than before.
 
@@ -68,6 +80,7 @@ def predict_hidden(
         positions: Where those are on the drawing. [N, 2] working px
         support: What is seen of them there.
         step: The drawing that they come from, the drawing, and working px for each px.
+        front: Strokes that hide others, which have no say. bool [S]
 
     Returns:
         Where the nodes of these strokes are expected.
@@ -82,7 +95,7 @@ def predict_hidden(
             continue
         then = _nodes_at(lives, nodes, home, scale)
         guess = scale * nodes.bases[s].weights @ life.rows[before].points
-        alike = _moved_alike(lives, s, home)[nodes.stroke]
+        alike = (_moved_alike(lives, s, home) * ~front)[nodes.stroke]
         motion = _common_motion(then, positions, (follows & support.node, own), (guess, alike))
         if motion is None:
             continue

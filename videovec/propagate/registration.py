@@ -252,10 +252,11 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
             to_ink, squared = nearest(features, ink, to_ink)
             to_node, squared_back = nearest(ink[::2], features, to_node)
             pull, rhs = held[0].copy(), held[1].copy()
-            weight = source.weight * _robust(squared, tau)
+            led = source.weight * target.on_page(positions)
+            weight = led * _robust(squared, tau)
             own = np.arange(len(positions))
             assemble(pull, rhs, own, target.points[to_ink], target.direction[to_ink], weight, np.full(len(own), _ALONG))
-            weight = _REVERSE * source.weight[to_node] * _robust(squared_back, tau)
+            weight = _REVERSE * led[to_node] * _robust(squared_back, tau)
             share = np.where(source.nodes.is_end[to_node], 1.0, _ALONG)
             assemble(pull, rhs, to_node, target.points[::2], target.direction[::2], weight, share)
             pull[:, [0, 2]] += _STAY

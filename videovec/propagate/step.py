@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.propagate.front import behind, covering, ends_missing, passed_over, untied, without
 from videovec.propagate.hypotheses import place, place_growing
 from videovec.propagate.momentum import PATIENCE, Momentum, affine_part, momentum_of
 from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
@@ -16,7 +17,7 @@ from videovec.propagate.refine import refine
 from videovec.propagate.registration import SETTLE, SIMILAR, Source, parted, recall, register, source_of
 from videovec.propagate.split import split_at_gaps
 from videovec.propagate.stretch import stretched
-from videovec.propagate.support import SEEN, Past, Support, find_support
+from videovec.propagate.support import SEEN, Inks, Past, Support, find_support
 from videovec.propagate.target import Target
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
@@ -42,6 +43,7 @@ class Follower:
         drift: How each node would go on; what an affine map says of the last step in which the stroke was told apart.
             [n, 2] working px
         waited: For how many drawings it has not been told apart from others; at first it may never have been.
+        covers: Whether it has hidden another stroke.
     """
 
     life: Life
@@ -51,6 +53,7 @@ class Follower:
     unseen: int = 0
     drift: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     waited: int = PATIENCE
+    covers: bool = False
 
     def half_width(self, drawing: int) -> float:
         """Mean half-width on a drawing. px"""
@@ -112,24 +115,37 @@ def carry(
     points = _stacked([row.points for row in rows])
     half_width = scale * np.array([follower.half_width(before) for follower in followers])
     here = source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows))
-    momentum = _momentum(followers, here, half_width, grows)
+    front = np.array([follower.covers for follower in followers], bool)
+    momentum = _momentum(followers, _others(here, front), half_width, grows)
     source = here if grows else _at_rest(followers, here, momentum, scale)
     velocity = _stacked([follower.velocity for follower in followers])
     find = place_growing if grows else place
-    loose, positions = find(source, targets[1], targets[0], velocity)
+    ahead, positions = find(untied(source, front), targets[1], targets[0], velocity)
+    loose, ink = ahead, Inks(targets[1], without(targets[1], nodes, positions, half_width, front), front)
+    if front.any():
+        passed = passed_over(nodes, (here.rest, momentum.goal), positions, front)
+        loose, positions = find(behind(source, positions, front, passed), ink.own, targets[0], velocity)
     past = _past(followers, rows, (momentum, source.rest + velocity), grows)
-    support = find_support(nodes, positions, half_width, targets[1], past)
-    hold = predict_hidden([f.life for f in followers], nodes, positions, support, (before, after, scale))
+    support = find_support(nodes, positions, half_width, ink, past)
+    hold = predict_hidden([f.life for f in followers], nodes, positions, support, (before, after, scale), front)
     rest, is_still = source.rest, grows and positions is source.rest
     if not is_still:
         if not grows:
             rest = stretched(nodes, rest, positions, support.follows(), momentum.merged)
-        positions = _settle(replace(loose, rest=rest), targets[1], positions, support, _held(hold, momentum))
-        support = find_support(nodes, positions, half_width, targets[1], past)
+        hold = _held(hold, momentum)
+        if front.any():
+            alone = behind(replace(ahead, rest=rest), positions, ~front, np.zeros(len(nodes), bool))
+            positions = _settle(alone, targets[1], positions, support, hold.staying(positions, ~front[nodes.stroke]))
+            ink = Inks(targets[1], without(targets[1], nodes, positions, half_width, front), front)
+            hold = hold.staying(positions, front[nodes.stroke])
+        positions = _settle(replace(loose, rest=rest), ink.own, positions, support, hold)
+        support = find_support(nodes, positions, half_width, ink, past)
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
     if not is_still:
         strokes = _refined(strokes, nodes.moved(points, rest / scale), coverage, settings)
     positions = scale * nodes.positions(strokes.points[: len(points)])
+    missing = ends_missing(nodes, positions, support.shown, past.most_seen)
+    covers = covering(nodes, positions, half_width, support.shown, missing) & (not grows)
     for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
         now = replace(row, points=strokes.points_of(s), confidence=float(support.share[s]))
@@ -139,6 +155,7 @@ def carry(
         follower.unseen = 0 if support.visible[s] else follower.unseen + 1
         _go_on(follower, positions[own], here.rest[own], momentum.is_blind(own))
         follower.waited = int(momentum.waits[s])
+        follower.covers |= bool(covers[s])
     return Placement(nodes, positions, support, half_width)
 
 
@@ -152,6 +169,11 @@ def _past(followers: list[Follower], rows: list[Row], onward: tuple[Momentum, Fl
     most_seen = np.array([follower.life.most_seen for follower in followers]).reshape(-1, 2)
     least = np.array([0.0 if grows or 0.0 < row.seen <= _SHORT else SEEN for row in rows])
     return Past(most_seen, least, onward[0].merged, onward[1])
+
+
+def _others(here: Source, front: NDArray[np.bool_]) -> Source:
+    """The strokes without those in front: ink that runs together with an edge is the edge's."""
+    return replace(here, weight=np.where(front[here.nodes.stroke], 0.0, here.weight))
 
 
 def _momentum(followers: list[Follower], here: Source, half_width: Floats, grows: bool) -> Momentum:

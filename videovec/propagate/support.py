@@ -15,7 +15,7 @@ from videovec.propagate.record import Interval
 from videovec.propagate.registration import doubled
 from videovec.propagate.target import Target, sample
 
-__all__ = ["SEEN", "Past", "Support", "find_support"]
+__all__ = ["SEEN", "Inks", "Past", "Support", "find_support"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -91,7 +91,35 @@ class Past:
     expected: Floats
 
 
-def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Target, past: Past) -> Support:
+@dataclass(frozen=True, slots=True, eq=False)
+class Inks:
+    """A drawing's ink, and what of it may be whose.
+
+    Args:
+        whole: All of it.
+        own: What is not of strokes in front.
+        front: Strokes in front, to which all of it is open. bool [S]
+    """
+
+    whole: Target
+    own: Target
+    front: Bools
+
+    @staticmethod
+    def of(target: Target, strokes: int) -> Inks:
+        """The ink of a drawing on which no stroke is in front."""
+        return Inks(target, target, np.zeros(strokes, bool))
+
+    def distance_at(self, nodes: Nodes, positions: Floats) -> Floats:
+        """Distance of nodes from ink that may be theirs. [N] working px"""
+        whole = self.whole.distance_at(positions)
+        if not self.front.any():
+            return whole
+        own = self.own.distance_at(positions) if len(self.own) else np.full(len(positions), np.inf)
+        return np.where(self.front[nodes.stroke], whole, own)
+
+
+def find_support(nodes: Nodes, positions: Floats, half_width: Floats, ink: Inks, past: Past) -> Support:
     """Look for the ink of every stroke.
 
     A part of a stroke is seen where there is ink; the stroke is there if some of that ink has no better stroke. A
@@ -101,16 +129,16 @@ def find_support(nodes: Nodes, positions: Floats, half_width: Floats, target: Ta
         nodes: N nodes.
         positions: Where they are. [N, 2] working px
         half_width: Half-width of each stroke. [S] working px
-        target: The drawing's ink.
+        ink: The drawing's ink.
         past: What was known before.
 
     Returns:
         The support of each node and the seen parts of each stroke.
     """
-    reach = np.maximum(_NEAR, 0.8 * half_width)[nodes.stroke]
+    target, reach = ink.whole, np.maximum(_NEAR, 0.8 * half_width)[nodes.stroke]
     supported, chosen, bare = (np.zeros(len(nodes), bool) for _ in range(3))
     if len(target) and len(nodes):
-        supported = target.distance_at(positions) <= reach
+        supported = ink.distance_at(nodes, positions) <= reach
         stray = np.linalg.norm(positions - past.expected, axis=1)
         chosen = _chosen(nodes, positions, (reach, _lacks(nodes, supported, stray)), target)
         bare = sample(widened(target), positions) <= target.threshold

@@ -55,6 +55,10 @@ class Target:
         """Pull of the ink around some positions. [N, 4]"""
         return sample(self.moment_maps, positions)
 
+    def on_page(self, positions: Floats) -> NDArray[np.bool_]:
+        """Which positions are not beyond the page. bool [N]"""
+        return np.asarray(((positions >= 0.0) & (positions <= self.ink.shape[::-1])).all(axis=1))
+
     def distance_at(self, positions: Floats) -> Floats:
         """Distance of some positions from the skeleton; beyond the page the distance to the page is added. [N] px"""
         height, width = self.distance.shape
