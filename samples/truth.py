@@ -20,6 +20,9 @@ from samples.scene import Drawing, Fill, Line, Movie, arc_fractions, flatten_cur
 
 __all__ = ["movie_truth", "visible_parts"]
 
+_STEP = 0.25
+"""Distance between the places of which it is asked whether they are seen, at most, about. px"""
+
 
 def movie_truth(movie: Movie) -> dict[str, Any]:
     """The strokes of a movie, ready for ``json.dump``."""
@@ -61,14 +64,17 @@ def visible_parts(line: Line, above: Drawing, size: tuple[int, int]) -> list[lis
         above: What is painted after it.
         size: Width and height of the page. px
     """
-    curve = flatten_curve(line.points, 64)
+    longest = float(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum())
+    curve = flatten_curve(line.points, max(64, round(longest / ((len(line.points) - 1) // 3) / _STEP)))
     u = arc_fractions(curve)
     seen = (u >= line.drawn[0]) & (u <= line.drawn[1])
     seen &= ((curve >= 0) & (curve <= np.array(size))).all(axis=1)
     for fill in above:
         if isinstance(fill, Fill):
             outline = flatten_curve(fill.points).astype(np.float32)
-            seen &= np.array([cv2.pointPolygonTest(outline, (float(x), float(y)), False) <= 0 for x, y in curve])
+            near = np.flatnonzero(seen & (curve >= outline.min(axis=0)).all(1) & (curve <= outline.max(axis=0)).all(1))
+            hidden = [cv2.pointPolygonTest(outline, (float(x), float(y)), False) > 0 for x, y in curve[near]]
+            seen[near[hidden]] = False
     edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(int)))
     parts = [[float(u[a]), float(u[b - 1])] for a, b in edges.reshape(-1, 2)]
     return [[round(a, 4), round(b, 4)] for a, b in parts if b > a]

@@ -32,7 +32,7 @@ ORDER = (
     ("initialise", "reference", "corrected_shapes"),
     ("propagate", "link"),
     ("vote",),
-    ("drawing_terms", "edits", "opacity"),
+    ("drawing_terms", "edits", "opacity", "seen_ends"),
     ("fit",),
     ("start",),
     ("true_strokes",),

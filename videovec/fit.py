@@ -19,6 +19,7 @@ from videovec.optimise import Held, Interrupted, Schedule, Term, optimise
 from videovec.parameters import Parameters
 from videovec.progress import Progress, Silent
 from videovec.render import Backend, render_image, resolve_backend
+from videovec.seen_ends import measure_ends
 from videovec.settings import FitSettings, RenderSettings, Weights
 from videovec.strokes import Strokes
 from videovec.temporal import Neighbours, acceleration, anchor, rigidity, width_change
@@ -94,7 +95,7 @@ def fit(
             fitted, is_finished = _fit_window(ink, fitted, window, (settings, pins), (backend, progress))
             if not is_finished:
                 break
-        fitted = _restored(fitted, strokes, pins)
+        fitted = measure_ends(_restored(fitted, strokes, pins), ink.size)
     return replace(judge(ink, fitted, backend), is_finished=is_finished)
 
 

@@ -31,7 +31,7 @@ _BENT = 1.0
 _REACH = 2
 """Nodes on either side of the one that ink has chosen that it claims too."""
 _COVERED = 3.0
-"""What a node costs at most that lies under something or beyond the page, and at least that lies on the ink of another stroke. px"""
+"""What a node costs at most that lies under something or off the page, and at least one on another stroke's ink. px"""
 _APART = 4.0
 """Motion of strokes against each other that costs half of what bending does; no motion costs more than this one. px"""
 _STIFFNESS = (1.0, 0.05)

@@ -28,7 +28,7 @@ _TOLERANCES = (24.0, 12.0, 6.0, 4.0)
 _AGREES = 4.0
 """Distance within which a prediction agrees with what is seen of the stroke. working px"""
 _LEAP = 16.0
-"""Motion between two drawings up to which a prediction is believed. working px"""
+"""Motion between two drawings, or change of it, up to which a prediction is believed. working px"""
 _OWN = 0.5
 """Say of a stroke's own seen nodes, which may have slid along it."""
 _STEPS = 3
@@ -85,7 +85,7 @@ def predict_hidden(
     Returns:
         Where the nodes of these strokes are expected.
     """
-    before, _, scale = step
+    before, after, scale = step
     goal, stiffness = positions.copy(), np.zeros(len(nodes))
     follows = support.shown
     for s, life in enumerate(lives):
@@ -101,7 +101,10 @@ def predict_hidden(
             continue
         z = motion[0] * _complex(then[own]) + motion[1]
         own_misfit = np.abs(z - _complex(positions[own]))[follows[own]]
-        if np.mean(np.abs(z - _complex(guess))) <= _LEAP and (not len(own_misfit) or np.median(own_misfit) <= _AGREES):
+        earlier = life.rows.get(2 * before - after, life.rows[before]).points
+        onward = guess + scale * nodes.bases[s].weights @ (life.rows[before].points - earlier)
+        leap = min(np.mean(np.abs(z - _complex(place))) for place in (guess, onward))
+        if leap <= _LEAP and (not len(own_misfit) or np.median(own_misfit) <= _AGREES):
             goal[own] = np.stack([z.real, z.imag], axis=1)
             stiffness[own] = np.where(follows[own], _SEEN, _UNSEEN)
     return Hold(goal, stiffness)

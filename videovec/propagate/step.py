@@ -7,17 +7,17 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.propagate.front import behind, covering, ends_missing, passed_over, untied, without
-from videovec.propagate.hypotheses import place, place_growing
+from videovec.propagate.front import covering, ends_missing
 from videovec.propagate.momentum import PATIENCE, Momentum, affine_part, momentum_of
 from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
+from videovec.propagate.placing import find, settled
 from videovec.propagate.predict import Hold, predict_hidden
 from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
-from videovec.propagate.registration import SETTLE, SIMILAR, Source, parted, recall, register, source_of
+from videovec.propagate.registration import Source, recall, source_of
 from videovec.propagate.split import split_at_gaps
 from videovec.propagate.stretch import stretched
-from videovec.propagate.support import SEEN, Inks, Past, Support, find_support
+from videovec.propagate.support import SEEN, Past, Support, find_support
 from videovec.propagate.target import Target
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
@@ -25,6 +25,7 @@ from videovec.strokes import Strokes
 __all__ = ["Follower", "Placement", "carry", "follow"]
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 _SHORT = 0.5
 """Share of a stroke up to which it may be seen on one drawing for any less of it to be the stroke on the next."""
@@ -119,26 +120,16 @@ def carry(
     momentum = _momentum(followers, _others(here, front), half_width, grows)
     source = here if grows else _at_rest(followers, here, momentum, scale)
     velocity = _stacked([follower.velocity for follower in followers])
-    find = place_growing if grows else place
-    ahead, positions = find(untied(source, front), targets[1], targets[0], velocity)
-    loose, ink = ahead, Inks(targets[1], without(targets[1], nodes, positions, half_width, front), front)
-    if front.any():
-        passed = passed_over(nodes, (here.rest, momentum.goal), positions, front)
-        loose, positions = find(behind(source, positions, front, passed), ink.own, targets[0], velocity)
-    past = _past(followers, rows, (momentum, source.rest + velocity), grows)
-    support = find_support(nodes, positions, half_width, ink, past)
-    hold = predict_hidden([f.life for f in followers], nodes, positions, support, (before, after, scale), front)
-    rest, is_still = source.rest, grows and positions is source.rest
+    onward = momentum.goal, source.rest + velocity
+    found = find(source, (here.rest, *onward), (front, half_width), targets, velocity, grows)
+    past = _past(followers, rows, (momentum, onward[1]), grows | found.little)
+    support = find_support(nodes, found.positions, half_width, found.ink, past)
+    hold = predict_hidden([f.life for f in followers], nodes, found.positions, support, (before, after, scale), front)
+    rest, positions, is_still = source.rest, found.positions, grows and found.positions is source.rest
     if not is_still:
         if not grows:
             rest = stretched(nodes, rest, positions, support.follows(), momentum.merged)
-        hold = _held(hold, momentum)
-        if front.any():
-            alone = behind(replace(ahead, rest=rest), positions, ~front, np.zeros(len(nodes), bool))
-            positions = _settle(alone, targets[1], positions, support, hold.staying(positions, ~front[nodes.stroke]))
-            ink = Inks(targets[1], without(targets[1], nodes, positions, half_width, front), front)
-            hold = hold.staying(positions, front[nodes.stroke])
-        positions = _settle(replace(loose, rest=rest), ink.own, positions, support, hold)
+        ink, positions = settled(found, rest, half_width, support, _held(hold, momentum))
         support = find_support(nodes, positions, half_width, ink, past)
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
     if not is_still:
@@ -164,14 +155,19 @@ def _stacked(parts: list[Floats]) -> Floats:
     return np.concatenate([np.zeros((0, 2)), *parts])
 
 
-def _past(followers: list[Follower], rows: list[Row], onward: tuple[Momentum, Floats], grows: bool) -> Past:
-    """What is known of strokes; ``onward`` are their momentum, and where nodes would be by the last step."""
+def _past(followers: list[Follower], rows: list[Row], onward: tuple[Momentum, Floats], little: Bools) -> Past:
+    """What is known of strokes.
+
+    ``onward`` are their momentum, and where nodes would be by the last step; ``little`` says of which strokes any bit
+    may be all that is seen.
+    """
     most_seen = np.array([follower.life.most_seen for follower in followers]).reshape(-1, 2)
-    least = np.array([0.0 if grows or 0.0 < row.seen <= _SHORT else SEEN for row in rows])
+    least = np.array([0.0 if 0.0 < row.seen <= _SHORT else SEEN for row in rows])
+    least[little] = 0.0
     return Past(most_seen, least, onward[0].merged, onward[1])
 
 
-def _others(here: Source, front: NDArray[np.bool_]) -> Source:
+def _others(here: Source, front: Bools) -> Source:
     """The strokes without those in front: ink that runs together with an edge is the edge's."""
     return replace(here, weight=np.where(front[here.nodes.stroke], 0.0, here.weight))
 
@@ -224,16 +220,6 @@ def _placed(followers: list[Follower], rows: list[Row], points: Floats, support:
         lives.append(replace(follower.life, rows={0: now}))
     free = max((follower.life.id for follower in followers), default=0) + 1
     return bind(split_at_gaps(lives, free, lasts=1))[0]
-
-
-def _settle(source: Source, target: Target, positions: Floats, support: Support, hold: Hold) -> Floats:
-    """Let go of nodes without ink, then allow local scale."""
-    weight = np.where(source.hold > 0, 0.0, support.follows())  # a source is held where ink tells nothing apart
-    is_led = (weight == 0) & (hold.stiffness > 0)
-    positions = np.where(is_led[:, None], hold.goal, positions)
-    phases = (SIMILAR,) if np.array_equal(weight, source.weight) and weight.all() else (SETTLE, SIMILAR)
-    source = replace(parted(source, positions), weight=weight, hold=hold.stiffness, goal=hold.goal)
-    return register(source, target, positions, phases)
 
 
 def _refined(strokes: Strokes, rest: Floats, coverage: NDArray[np.uint8], settings: PropagateSettings) -> Strokes:

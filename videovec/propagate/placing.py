@@ -1,0 +1,98 @@
+"""Where strokes go: those that hide others first, then the others in the ink that is left, and both in two steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from videovec.propagate.front import behind, passed_over, untied, without
+from videovec.propagate.hypotheses import place, place_growing
+from videovec.propagate.nodes import Nodes
+from videovec.propagate.predict import Hold
+from videovec.propagate.registration import SETTLE, SIMILAR, Source, parted, register
+from videovec.propagate.support import Inks, Support
+from videovec.propagate.target import Target
+
+__all__ = ["Found", "find", "settled"]
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """Where strokes went, to about a pixel.
+
+    Args:
+        ahead: What was registered to find strokes in front.
+        loose: What was registered to find the others; the same if none is in front.
+        positions: Of N nodes. [N, 2] working px
+        ink: The drawing's ink.
+        little: Strokes over which something passed. bool [S]
+    """
+
+    ahead: Source
+    loose: Source
+    positions: Floats
+    ink: Inks
+    little: Bools
+
+
+def find(
+    source: Source,
+    ways: tuple[Floats, Floats, Floats],
+    strokes: tuple[Bools, Floats],
+    targets: tuple[Target, Target],
+    velocity: Floats,
+    grows: bool,
+) -> Found:
+    """Find strokes in front first, among all ink, then the others in what is left.
+
+    Args:
+        source: The strokes at rest.
+        ways: Where nodes were, where they would go by themselves, and by their last step. [N, 2] each, working px
+        strokes: Which strokes are in front, and half-widths. [S] each
+        targets: Both drawings.
+        velocity: How each node moved in the last step. [N, 2] working px
+        grows: Whether less of the strokes may be drawn there.
+    """
+    nodes, front, search = source.nodes, strokes[0], place_growing if grows else place
+    passed = passed_over(nodes, ways[:2], ways[2], front)
+    ahead = replace(untied(source, front), weight=np.where(passed, 0.0, source.weight))
+    ahead, positions = search(ahead, targets[1], targets[0], velocity)
+    ink = _inks(targets[1], nodes, positions, strokes)
+    if not front.any():
+        return Found(ahead, ahead, positions, ink, front)
+    passed = passed_over(nodes, ways[:2], positions, front)
+    loose, positions = search(behind(source, positions, front, passed), ink.own, targets[0], velocity)
+    return Found(ahead, loose, positions, ink, nodes.shares(passed) > 0)
+
+
+def _inks(target: Target, nodes: Nodes, positions: Floats, strokes: tuple[Bools, Floats]) -> Inks:
+    """A drawing's ink; ``strokes`` says which are in front, and half-widths."""
+    front, half_width = strokes
+    return Inks(target, without(target, nodes, positions, half_width, front), front)
+
+
+def settled(found: Found, rest: Floats, half_width: Floats, support: Support, hold: Hold) -> tuple[Inks, Floats]:
+    """Settle strokes in front, then the others; the ink as it is then divided, and where nodes are."""
+    nodes, ink, positions = found.loose.nodes, found.ink, found.positions
+    is_front = ink.front[nodes.stroke]
+    if is_front.any():
+        alone = behind(replace(found.ahead, rest=rest), positions, ~ink.front, np.zeros(len(nodes), bool))
+        positions = _settle(alone, ink.whole, positions, support, hold.staying(positions, ~is_front))
+        ink = _inks(ink.whole, nodes, positions, (ink.front, half_width))
+        hold = hold.staying(positions, is_front)
+    return ink, _settle(replace(found.loose, rest=rest), ink.own, positions, support, hold)
+
+
+def _settle(source: Source, target: Target, positions: Floats, support: Support, hold: Hold) -> Floats:
+    """Let go of nodes without ink, then allow local scale."""
+    weight = np.where(source.hold > 0, 0.0, support.follows())  # a source is held where ink tells nothing apart
+    is_led = (weight == 0) & (hold.stiffness > 0)
+    positions = np.where(is_led[:, None], hold.goal, positions)
+    phases = (SIMILAR,) if np.array_equal(weight, source.weight) and weight.all() else (SETTLE, SIMILAR)
+    source = replace(parted(source, positions), weight=weight, hold=hold.stiffness, goal=hold.goal)
+    return register(source, target, positions, phases)
