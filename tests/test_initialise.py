@@ -131,6 +131,19 @@ def test_a_sharp_corner_stays_inside_its_stroke_and_sharp() -> None:
     assert np.linalg.norm(joints - np.array([100.0, 60.0]), axis=1).min() < 1.2
 
 
+@pytest.mark.parametrize("opening", [25.0, 40.0, 60.0])
+@pytest.mark.parametrize("width", [4.0, 10.0])
+def test_a_sharp_corner_of_a_thick_line_alone_on_the_page_reaches_its_tip(opening: float, width: float) -> None:
+    """Thinning makes a Y of it, of which all three branches lead nowhere."""
+    tip, half = np.array([64.0, 22.0]), np.radians(opening) / 2
+    ends = tip + 88 * np.array([[-np.sin(half), np.cos(half)], [np.sin(half), np.cos(half)]])
+    corner = np.concatenate([np.linspace(ends[0], tip, 4), np.linspace(tip, ends[1], 4)[1:]])
+    strokes = initialise(ink(paint([corner], width)), 0, SETTINGS)
+    assert_same_strokes(strokes, [corner], 0.3 + 0.06 * width)
+    joints = strokes.points_of(0)[::3]
+    assert np.linalg.norm(joints - tip, axis=1).min() < 0.5 + 0.12 * width
+
+
 def test_a_tapering_line_has_a_half_width_that_grows() -> None:
     row, column = np.mgrid[:1024, :1024] / 8.0
     half = np.clip(1.0 + (column - 15.0) / 98.0 * 5.0, 0.0, 6.0)

@@ -102,3 +102,29 @@ def test_three_lines_stay_three_strokes(shown: Drawn, patience: int) -> None:
     assert len(result.strokes) == 3
     assert EventKind.CUT not in [event.kind for event in result.events]
     assert identity_score(result.strokes, shown) > 0.95
+
+
+def erased_and_drawn_again(t: int) -> list[tuple[int, float, float]]:
+    """A bent line is erased to nothing, the page is blank for two drawings, and it is drawn on again."""
+    if t < 6:
+        return [(2, 0.17 * t, 1.0)]
+    return [(2, 0.0, 0.2 * (t - 7))] if t >= 8 else []
+
+
+@pytest.mark.parametrize("memory", [8, 1])
+def test_a_line_that_is_erased_and_drawn_again_is_one_stroke_if_it_is_remembered(memory: int) -> None:
+    coverage = np.stack([draw(erased_and_drawn_again(t)) for t in range(COUNT)])
+    ink = Ink(coverage, np.zeros_like(coverage), np.zeros((1, 3)), np.ones(3), 0.0)
+    trace = partial(initialise, settings=InitialiseSettings())
+    result = propagate(ink, trace(ink, 0), PropagateSettings(refine_steps=12, memory=memory), trace)
+    strokes = result.strokes
+    assert len(strokes) == (1 if memory == 8 else 2)
+    assert not any(event.kind == EventKind.CUT for event in result.events)
+    for t in (0, 2, 4, 9, 10, 12):
+        [(_, begin, end)] = erased_and_drawn_again(t)
+        whole = float(np.linalg.norm(np.diff(line(2, np.linspace(begin, end, 60)), axis=0), axis=1).sum())
+        on_one = max(share_of_one(strokes, t, 2, (begin, end)).values(), default=0.0)
+        assert on_one > 0.85 * whole - 3.0, t
+    for t in (6, 7):
+        shown = [float(np.ptp(strokes.visible[row])) for row in strokes.rows_at(t).tolist()]
+        assert sum(shown) == 0.0

@@ -17,7 +17,7 @@ from videovec.palette import SAME_COLOR, Cores, estimate_palette, find_cores, is
 from videovec.progress import Progress, Silent
 from videovec.settings import InkSettings
 
-__all__ = ["Ink", "extract_ink", "ink_alone"]
+__all__ = ["Ink", "amount_of_ink", "extract_ink", "first_full", "ink_alone"]
 
 Floats = NDArray[np.float32]
 
@@ -30,6 +30,11 @@ channels agree, as in lossless art, it makes no difference."""
 
 _FAINT = 40
 """Coverage of the palest entry of the palette that is no edge of a line, of 255."""
+
+_POOR = 0.8
+"""Share of the most ink of any drawing; with less, the first one is too poor to begin with."""
+_FULL = 0.95
+"""Share of it that is as much as can be hoped for."""
 
 NEARBY = 7.0
 """How far along a line the ink that it shows is taken for its own. px"""
@@ -280,3 +285,17 @@ def _is_ink(size: Floats, noise: tuple[float, float], settings: InkSettings) -> 
     smooth = cv2.GaussianBlur(size, (0, 0), 1.0)
     seed = strong | ((size > floor) & (smooth > 0.5 * floor))
     return cv2.dilate(seed.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+
+
+def amount_of_ink(ink: Ink) -> NDArray[np.int64]:
+    """Sum of coverage on each drawing. [D]"""
+    return np.array([coverage.sum(dtype=np.int64) for coverage in ink.coverage])
+
+
+def first_full(amount: NDArray[np.int64]) -> int:
+    """The first of some drawings on which enough is drawn to begin there.
+
+    Args:
+        amount: Sum of coverage on each drawing, at least one. [D]
+    """
+    return 0 if amount[0] >= _POOR * amount.max() else int(np.argmax(amount >= _FULL * amount.max()))

@@ -11,7 +11,7 @@ from videovec.clip import Clip
 from videovec.errors import InputError
 from videovec.fit import draw_coverage
 from videovec.initialise import initialise
-from videovec.ink import Ink
+from videovec.ink import Ink, amount_of_ink, first_full
 from videovec.propagate import make_target, propagate
 from videovec.reference import read_reference
 from videovec.render import resolve_backend
@@ -28,8 +28,6 @@ _RANDOM_OPACITY_RATE = 0.05
 _LENGTH = 0.8  # of the mean distance between random strokes: their length
 _BEND = 0.15  # of their length: how far handles of random strokes lie off the chord
 _OPACITY = 0.8  # of random strokes
-_POOR = 0.8  # of the most ink of any drawing: less is too little to begin with
-_FULL = 0.95  # of it: as much as can be hoped for
 _NEAR = 1.5  # px within which a reference lies on the ink and needs no registration
 _RECOGNISED = 0.5  # of a reference's strokes that registration must find again
 
@@ -44,8 +42,7 @@ def start_drawing(clip: Clip, ink: Ink, settings: InitialiseSettings) -> int:
         InputError: The clip has no such frame.
     """
     if not settings.reference:
-        amount = np.array([coverage.sum(dtype=np.int64) for coverage in ink.coverage])
-        return 0 if amount[0] >= _POOR * amount.max() else int(np.argmax(amount >= _FULL * amount.max()))
+        return first_full(amount_of_ink(ink))
     numbers = clip.timeline.frame_numbers
     found = np.flatnonzero(numbers == settings.reference_frame)
     if not len(found):

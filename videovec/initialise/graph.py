@@ -122,27 +122,40 @@ class Graph:
         self._attach(number, branch)
         return number
 
-    def dissolve(self, node: int, via: Floats | None = None) -> None:
-        """Join the two branches that meet at a node of degree two into one; a loop at it becomes a closed line.
-
-        Args:
-            node: A node of degree two.
-            via: Samples between the two. [K, 2] px
-        """
+    def dissolve(self, node: int) -> None:
+        """Join the two branches that meet at a node of degree two into one; a loop at it becomes a closed line."""
         (one, end_one), (two, end_two) = self.ends_at(node)
-        between = np.zeros((0, 2)) if via is None else via
-        thickness = np.full(len(between), self.radius[node])
         if one == two:
             loop = self.remove(one)
-            self.loops.append(np.concatenate([loop.line, between]))
-            self.loop_radius.append(np.concatenate([loop.radius, thickness]))
+            self.loops.append(loop.line)
+            self.loop_radius.append(loop.radius)
             return
         before, after = self.outward(one, end_one).reversed(), self.outward(two, end_two)
         self.remove(one)
         self.remove(two)
-        line = np.concatenate([before.line, between, after.line])
-        radius = np.concatenate([before.radius, thickness, after.radius])
-        self.add(Branch(before.start, after.stop, line, radius))
+        line = np.concatenate([before.line, after.line])
+        self.add(Branch(before.start, after.stop, line, np.concatenate([before.radius, after.radius])))
+
+    def sharpen(self, node: int, tip: Floats, reach: float) -> None:
+        """Let the two branches that meet at a node of degree two run straight on to the tip of a corner.
+
+        Args:
+            node: The node.
+            tip: Where they should meet. [2] px
+            reach: Distance from the tip within which what thinning says of the branches is replaced. px
+        """
+        for number, end in self.ends_at(node):
+            branch = self.outward(number, end)
+            far = np.linalg.norm(branch.line - tip, axis=1) > reach
+            begin = int(far.argmax()) if far.any() else len(far)
+            begin = min(begin, len(far) // 2)
+            count = max(int(np.linalg.norm(branch.line[begin] - tip)), 1)
+            straight = tip + np.arange(count)[:, None] / count * (branch.line[begin] - tip)
+            line = np.concatenate([straight, branch.line[begin:]])
+            radius = np.concatenate([np.full(count, branch.radius[begin]), branch.radius[begin:]])
+            changed = Branch(branch.start, branch.stop, line, radius)
+            self.branches[number] = changed if end == 0 else changed.reversed()
+        self.dissolve(node)
 
     def contract(self, number: int) -> int:
         """Shrink a branch to nothing, so that its two nodes become one; returns that node."""

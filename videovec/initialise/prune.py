@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 
 _SHARP = 75.0  # degrees between two branches below which a leaf between them may be the stem of a sharp corner
 _OFF_AXIS = 41.0  # degrees by which the stem may leave the corner's axis
+_CLEAR = 1.2  # times the distance from a corner's tip at which its lines part, from which on a skeleton is theirs
+_STAR = 2.0  # times the length of the stem that the arms of a V which ends there must have
 _SPUR = 0.35  # widths beyond the edge of the ink that a branch must reach to be more than a spur
 _CLUSTER = 1.0  # widths below which a branch between two junctions is part of one crossing
 
@@ -52,34 +54,38 @@ def _leaves(graph: Graph, node: int) -> list[int]:
     ]
 
 
-def _is_stem(graph: Graph, node: int, leaf: int, width: float) -> bool:
-    """Whether a leaf at a three-way node is the merged tip of the two others, which meet in a sharp corner."""
+def _opening(graph: Graph, node: int, leaf: int, width: float) -> float | None:
+    """Degrees between two branches at a three-way node if a leaf is the merged tip of the corner that they make."""
     others = [graph.outward(number, end) for number, end in graph.ends_at(node) if number != leaf]
     one, two = (direction(other.line, 0.8 * width, 3.0 * width) for other in others)
     opening = angle_between(one, two)
     if opening >= _SHARP:
-        return False
+        return None
     stem = graph.branches[leaf].leaving(node)
     axis = -(one + two)
     if angle_between(direction(stem.line, 0.0, max(stem.length, 1e-6)), axis) > _OFF_AXIS:
-        return False
-    merged = (width + 1.0) / (2.0 * np.sin(np.radians(max(opening, 5.0)) / 2.0))
-    return bool(stem.length < min(1.3 * merged + 0.5 * width, 8.0 * width))
+        return None
+    opening = max(opening, 5.0)
+    merged = (width + 1.0) / (2.0 * np.sin(np.radians(opening) / 2.0))
+    return opening if stem.length < min(1.3 * merged + 0.5 * width, 8.0 * width) else None
 
 
 def _sharpen_corners(graph: Graph, widths: Widths) -> None:
     """Replace a Y whose stem is the tip of a sharp V by the V."""
     for node in graph.nodes():
-        leaves = _leaves(graph, node)
-        if graph.degree(node) != 3 or len(leaves) == 3:
+        leaves = sorted(_leaves(graph, node), key=lambda number: graph.branches[number].length)
+        if graph.degree(node) != 3 or len({number for number, _ in graph.ends_at(node)}) < 3:
             continue
-        if len({number for number, _ in graph.ends_at(node)}) < 3:
-            continue
+        if len(leaves) == 3:  # a star: any of the three may be what it is about, but a much shorter one
+            is_short = _STAR * graph.branches[leaves[0]].length <= graph.branches[leaves[1]].length
+            leaves = leaves[:1] if is_short else []
         width = widths.at(graph, node)
-        for leaf in sorted(leaves, key=lambda number: graph.branches[number].length):
-            if _is_stem(graph, node, leaf, width):
-                tip = graph.remove(leaf).leaving(node).line[-1:]
-                graph.dissolve(node, via=tip)
+        for leaf in leaves:
+            opening = _opening(graph, node, leaf, width)
+            if opening is not None:
+                tip = graph.remove(leaf).leaving(node).line[-1]
+                merged = width / (2.0 * np.tan(np.radians(opening) / 2.0))  # from there on each line has two edges
+                graph.sharpen(node, tip, min(_CLEAR * merged, 4.0 * width))
                 break
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.events import Event, EventKind
-from videovec.ink import Ink, ink_alone
+from videovec.ink import Ink, amount_of_ink, ink_alone
 from videovec.progress import Progress
 from videovec.propagate.births import Trace
 from videovec.propagate.walk import Propagated, walk
@@ -50,8 +50,7 @@ def propagate(
     for label in range(len(ink.palette)):
         alone, mine = ink_alone(ink, label), strokes.select(nearest == label)
         if len(mine) or (alone.coverage > _SEEN).any():
-            amount = alone.coverage.sum(axis=(1, 2), dtype=np.int64)
-            walks.append(_Walked(label, mine, amount, walk(alone, mine, settings, trace, progress)))
+            walks.append(_Walked(label, mine, amount_of_ink(alone), walk(alone, mine, settings, trace, progress)))
     cuts = _agreed_cuts(walks)
     parts = []
     next_id = int(strokes.ids.max(initial=0)) + 1

@@ -9,7 +9,7 @@ from videovec.curves import sample_by_arc, sub_curve
 from videovec.propagate.record import Life, Row
 from videovec.propagate.step import Follower
 
-__all__ = ["relink"]
+__all__ = ["relink", "same_shape"]
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -39,7 +39,7 @@ def relink(lives: list[Life], drawing: int, followers: list[Follower]) -> list[L
     for a, life in enumerate(lives):
         for b, follower in enumerate(hidden):
             if life.is_closed == follower.life.is_closed and np.abs(life.color - follower.life.color).max() < 0.25:
-                match = _same_shape(_seen_part(follower.life, drawing), life.rows[drawing].points, life.is_closed)
+                match = same_shape(_seen_part(follower.life, drawing), life.rows[drawing].points, life.is_closed)
                 if match is not None:
                     pairs.append((match[0], a, b, match[1]))
     taken: set[int] = set()
@@ -59,7 +59,7 @@ def _seen_part(life: Life, drawing: int) -> Floats:
     return sub_curve(row.points, row.half_width, *life.most_seen)[0]
 
 
-def _same_shape(old: Floats, new: Floats, is_closed: bool) -> tuple[float, Complexes] | None:
+def same_shape(old: Floats, new: Floats, is_closed: bool) -> tuple[float, Complexes] | None:
     """How far a stroke is from another up to a similarity, and the other's samples in the order of the first."""
     a = _samples(old, is_closed)
     best: tuple[float, Complexes] | None = None
