@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_propagate import draw, ink_of, line, strokes_of
+from test_propagate import WIDTH, draw, ink_of, line, run, strokes_of
 
+from samples.scene import ellipse
 from videovec.propagate.unhide import unhide
 from videovec.strokes import Layout, Strokes
 
@@ -41,3 +42,17 @@ def test_a_stroke_that_is_never_seen_stays_hidden() -> None:
     strokes = replace(hidden_in_the_middle(), visible=np.zeros((3, 2)))
     drawing = draw([line(20, 80, 120, 80)])
     assert not unhide(strokes, ink_of([drawing] * 3)).visible.any()
+
+
+@pytest.mark.parametrize("speed", [1.5, 3.0])
+def test_a_short_stroke_that_a_line_moves_away_from_stays_seen(speed: float) -> None:
+    drawings = []
+    for d in range(9):
+        x = 55 + speed * d
+        drawings.append([line(30, 20, 30, 80), ellipse((45, 50), (5, 5)), line(50, 50, 55, 50), line(x, 20, x, 80)])
+    widths = [np.full((len(curve) + 2) // 3, WIDTH / 2) for curve in drawings[0]]
+    first = Strokes.from_curves(drawings[0], widths, is_closed=[False, True, False, False])
+    strokes = run(ink_of([draw(curves) for curves in drawings]), first).strokes
+    short = int(np.flatnonzero(strokes.ids == 3)[0])
+    rows = [strokes.row(short, d) for d in range(9)]
+    assert (strokes.visible[rows, 1] > strokes.visible[rows, 0]).all()

@@ -35,7 +35,7 @@ _STRAY_MOST = 6.0
 _REACH = 2
 """Nodes on either side of the one that ink has chosen that it claims too."""
 _RUN = 3
-"""Nodes of the shortest run that is seen."""
+"""Nodes of the shortest run that is seen, of strokes that have twice as many; of shorter ones half of them."""
 _WHOLE = 0.8
 """Share of a closed stroke that must lie on ink for it to be seen whole."""
 SEEN = 0.2
@@ -220,7 +220,7 @@ def _interval(supported: Bools, is_closed: bool, least: float) -> tuple[int, int
     count = len(supported)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], supported.astype(np.int8), [0]])))
     begins, ends = edges[::2], edges[1::2]
-    long = ends - begins >= min(_RUN, count)
+    long = ends - begins >= max(1, min(_RUN, count // 2))
     begins, ends = begins[long], ends[long]
     if not len(begins) or supported.mean() < least:
         return 0, -1
