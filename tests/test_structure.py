@@ -27,7 +27,7 @@ ORDER = (
     ("render", "losses", "perceptual"),
     ("visibility",),
     ("parameters",),
-    ("adam", "gauss_newton"),
+    ("adam", "gauss_newton", "material"),
     ("optimise", "temporal", "evidence", "picture"),
     ("initialise", "reference", "corrected_shapes"),
     ("propagate", "link"),

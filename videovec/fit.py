@@ -15,6 +15,7 @@ from videovec.drawing_terms import drawing_terms
 from videovec.edits import edit, finish
 from videovec.evidence import Evidence, gather_evidence
 from videovec.ink import Ink
+from videovec.material import Marks, sliding
 from videovec.optimise import Held, Interrupted, Schedule, Term, optimise
 from videovec.parameters import Parameters
 from videovec.progress import Progress, Silent
@@ -115,7 +116,7 @@ def _fit_window(
     if len(held.rows) == part.row_count:
         progress.advance(schedule.steps)
         return strokes, True
-    terms: list[Term | Held] = [*_terms(part, settings.weights, backend.device)]
+    terms: list[Term | Held] = [*_terms(part, settings.weights, held.rows, backend.device)]
     if len(held.rows):
         terms.append(held)
     try:
@@ -217,8 +218,8 @@ def _windows(drawings: int, settings: FitSettings) -> Iterator[tuple[int, int]]:
     return ((a, b - 1) for a, b in pairwise(edges))
 
 
-def _terms(strokes: Strokes, weights: Weights, device: torch.device) -> list[Term]:
-    """The terms beside the photometric one that have a weight."""
+def _terms(strokes: Strokes, weights: Weights, known: NDArray[np.intp], device: torch.device) -> list[Term]:
+    """The terms beside the photometric one that have a weight; ``known`` are rows that say where material is."""
     neighbours = Neighbours.of(strokes.layout, device)
     start = torch.as_tensor(strokes.points, device=device)
     terms: list[tuple[float, Term]] = []
@@ -229,6 +230,9 @@ def _terms(strokes: Strokes, weights: Weights, device: torch.device) -> list[Ter
             (weights.anchor, lambda p: anchor(p.points, start.to(p.points), neighbours)),
             (weights.width_change, lambda p: width_change(p.log_half_width, neighbours)),
         ]
+    if len(neighbours.points) and weights.sliding > 0:
+        marks = Marks.of(strokes, known, device)
+        terms.append((weights.sliding, lambda p: sliding(p.points, marks)))
     return [_weighted(weight, term) for weight, term in terms if weight > 0]
 
 

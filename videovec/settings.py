@@ -123,6 +123,8 @@ class Weights:
     """Second difference in time of control points. px² per frame⁴"""
     rigidity: Annotated[float, Between(0)] = 0.3
     """Neighbouring control points that do not move together."""
+    sliding: Annotated[float, Between(0)] = 0.3
+    """Distance along its stroke of material from where the stroke's shape at rest has it. px²"""
     width_change: Annotated[float, Between(0)] = 1.0
     """Change in time of half-width."""
 
