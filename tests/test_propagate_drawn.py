@@ -128,3 +128,32 @@ def test_a_line_that_is_erased_and_drawn_again_is_one_stroke_if_it_is_remembered
     for t in (6, 7):
         shown = [float(np.ptp(strokes.visible[row])) for row in strokes.rows_at(t).tolist()]
         assert sum(shown) == 0.0
+
+
+HESITANT = np.array([0, 0, 0.01, 2, 4, 6, 8, 10, 13, 30, 60, 100, 140, 170, 185, 190, 192, 193]) / 193
+"""How much of a line is drawn that begins as a dot, and slows down at its end."""
+
+
+@pytest.mark.parametrize("widths", [1.0, 2.5])
+def test_a_line_that_begins_slowly_and_crosses_another_is_one_stroke(widths: float) -> None:
+    count, pen = len(HESITANT), WIDTH * widths
+    ends = np.array([[24.0, 24.0], [170.0, 150.0]])
+    scale = 4
+
+    def page(t: int) -> NDArray[np.uint8]:
+        image = np.zeros((SIZE * scale, SIZE * scale), np.uint8)
+        lines = [np.array([[20.0, 160.0], [176.0, 40.0]])]
+        lines += [np.stack([ends[0], ends[0] + HESITANT[t] * (ends[1] - ends[0])])] if HESITANT[t] else []
+        for one in lines:
+            at = np.round((one * scale - 0.5) * 16).astype(np.int32)
+            cv2.polylines(image, [at], False, 255, round(pen * scale), cv2.LINE_AA, 4)
+        return np.asarray(cv2.resize(image, (SIZE, SIZE), interpolation=cv2.INTER_AREA), np.uint8)
+
+    coverage = np.stack([page(t) for t in range(count)])
+    ink = Ink(coverage, np.zeros_like(coverage), np.zeros((1, 3)), np.ones(3), 0.0)
+    trace = partial(initialise, settings=InitialiseSettings())
+    strokes = propagate(ink, trace(ink, 0), PropagateSettings(refine_steps=12), trace).strokes
+    assert len(strokes) == 2
+    drawn = strokes.points_of(strokes.row(1, count - 1))
+    gaps = [np.linalg.norm(drawn[[0, -1]][::way] - ends, axis=1).max() for way in (1, -1)]
+    assert min(gaps) < pen / 2

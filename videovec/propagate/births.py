@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,10 @@ _LEAST = 10.0
 """Length, with the width of its ends, of the smallest patch that may become a stroke. working px"""
 _GROWTH = 3
 """A patch that is longer by more than this than on the drawing before still grows. working px"""
+_BRIEF = 3.0
+"""Length, in widths, below which a patch may be the beginning of a line that is drawn on slowly:"""
+_HESITATION = 4
+"""then this many drawings back are looked at."""
 _BESIDE = 2.0
 """How far from unexplained centre lines, beyond its half-width, a new stroke may lie. working px"""
 _FLASH = 6.0
@@ -35,10 +40,23 @@ _FLASH = 6.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seed:
-    """A patch that may become a stroke, and the drawing on which it was seen first."""
+    """A patch that may become a stroke.
+
+    Args:
+        patch: It as it is now.
+        since: The drawing on which it was seen first.
+        lengths: How long it, or what it came from, was on each drawing since. working px
+    """
 
     patch: Patch
     since: int
+    lengths: tuple[float, ...]
+
+    def grows(self) -> bool:
+        """Whether it is longer than it was."""
+        is_brief = self.patch.length < _BRIEF * 2.0 * self.patch.half_width
+        back = _HESITATION if is_brief else 1
+        return len(self.lengths) <= back or self.lengths[-1] > self.lengths[-1 - back] + _GROWTH
 
 
 class Nursery:
@@ -77,13 +95,12 @@ class Nursery:
                 continue
             ancestors = [seed for seed in self._seeds if patch in heirs[id(seed)]]
             since = min((seed.since for seed in ancestors), key=lambda d: d * self._direction, default=drawing)
-            length = sum(seed.patch.length for seed in ancestors)
-            has_grown = patch.length > length + _GROWTH
-            age = (drawing - since) * self._direction
-            if is_last or (age > 0 and not has_grown) or age >= self._settings.patience:
+            before_it = zip_longest(*(reversed(seed.lengths) for seed in ancestors), fillvalue=0.0)
+            seed = _Seed(patch, since, (*reversed([sum(lengths) for lengths in before_it]), patch.length))
+            if is_last or not seed.grows() or (drawing - since) * self._direction >= self._settings.patience:
                 born += self._deliver([patch], drawing, since, followers)
             else:
-                seeds.append(_Seed(patch, since))
+                seeds.append(seed)
         for seed in self._seeds:
             if not heirs[id(seed)] and seed.patch.length + 2 * seed.patch.half_width >= _FLASH * _LEAST:
                 fast, taken = self._pursue(seed, drawing)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.curves import arc_length
 from videovec.life_edits import join_ends
 from videovec.propagate.record import Life, Row
 from videovec.stroke_life import StrokeLife
@@ -23,6 +24,8 @@ _COLOR = 0.25
 """Largest difference of a channel between two pieces of one line."""
 _GROWN = 0.9
 """Share of a piece's length that is seen on an earlier drawing, if it has grown since."""
+_CRUMB = 1.5
+"""Widths up to which a piece is only the last bit of a line that slows down as it is drawn."""
 _LOOK = 4
 """Drawings from the birth of a piece over which its end must stay where the other's is."""
 _MERGED = 2.5
@@ -90,13 +93,18 @@ def _end(life: Life, drawing: int, end: int) -> Floats:
 
 
 def _grows(older: Life, younger: Life, a: int, b: int) -> bool:
-    """Whether the older one grew to its end until then and it is seen, or the younger one grows away from it."""
+    """Whether the older one grew to its end until then, the younger one grows away from it, or is next to nothing."""
     birth = younger.first
     row = older.rows.get(birth - 1)
     was_drawn = row is not None and _reaches(row, a) and not _reaches(older.rows[older.first], a, _GROWN)
     now = younger.rows[birth]
     is_drawn = _reaches(now, b) and not _reaches(now, 1 - b, _GROWN)
-    return was_drawn or is_drawn
+    return was_drawn or is_drawn or _is_crumb(younger)
+
+
+def _is_crumb(life: Life) -> bool:
+    """Whether a life was never long enough to be more than the last bit of another."""
+    return all(arc_length(row.points) <= _CRUMB * 2.0 * float(row.half_width.mean()) for row in life.rows.values())
 
 
 def _reaches(row: Row, end: int, share: float = 0.98) -> bool:
