@@ -1,10 +1,11 @@
 """What fitting all drawings together is worth: jitter, position and size against the weight of the temporal terms.
 
-    python benchmarks/joint.py [DIR] [--name CLIP ...] [--csv joint.csv] [--picture joint.png]
+    python benchmarks/joint.py [DIR] [--name CLIP ...] [--csv joint.csv] [--picture joint.png] [--keep FOLDER]
 
 True strokes of the first drawing are carried through every clip of DIR (NAME/gt.npz, as `videovec bench clips` reads
 them) and through clips of our own, on which nothing was chosen. The same carried strokes are then fitted to each
-drawing alone, and jointly with the temporal terms at several multiples of their default weights. Prints Markdown.
+drawing alone, and jointly with the temporal terms at several multiples of their default weights. Prints Markdown; keeps
+the tracks of both fits that are compared.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from videovec.bench.clip_truth import read_clips
 from videovec.clip import Clip
 from videovec.clip_metrics import TrueStroke, score_clip
 from videovec.decode import decode
-from videovec.fit import FitResult, fit
+from videovec.fit import fit
 from videovec.initialise import initialise
 from videovec.ink import Ink, extract_ink
 from videovec.propagate import propagate
@@ -37,7 +38,8 @@ Truth = list[list[TrueStroke]]
 
 ALONE = "each alone"
 FACTORS = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0)
-TEMPORAL = ("acceleration", "rigidity", "width_change")
+COMPARED = (ALONE, "1")
+TEMPORAL = ("acceleration", "rigidity", "sliding", "width_change")
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +86,7 @@ def first_strokes(truth: Truth, ink: Ink) -> Strokes:
     return Strokes.from_curves(curves, widths, color=ink.palette[0])
 
 
-def measure(kind: str, clip: Clip, truth: Truth, config: Config) -> Iterator[tuple[Row, FitResult]]:
+def measure(kind: str, clip: Clip, truth: Truth, config: Config) -> Iterator[tuple[Row, StrokeTracks]]:
     """All fits of one clip."""
     ink = extract_ink(clip, config.ink)
     trace = partial(initialise, settings=config.initialise)
@@ -108,7 +110,7 @@ def measure(kind: str, clip: Clip, truth: Truth, config: Config) -> Iterator[tup
                 float(np.median(result.psnr)),
                 len(lottie_text(tracks, config.export).encode()) / 1024,
             ),
-            result,
+            tracks,
         )
 
 
@@ -155,13 +157,17 @@ def main() -> None:
     parser.add_argument("--name", action="append", default=[], help="only this clip of the folder; may be repeated")
     parser.add_argument("--csv", type=Path)
     parser.add_argument("--picture", type=Path)
+    parser.add_argument("--keep", type=Path, metavar="FOLDER", help="where tracks of both fits go")
     arguments = parser.parse_args()
     print(machine())
     rows = []
     for kind, clip, truth in clips(arguments.folder, arguments.name):
-        for row, _ in measure(kind, clip, truth, Config()):
+        for row, tracks in measure(kind, clip, truth, Config()):
             rows.append(row)
             print(row, flush=True)
+            if arguments.keep and row.weights in COMPARED:
+                arguments.keep.mkdir(parents=True, exist_ok=True)
+                tracks.save(arguments.keep / f"{clip.name}_{row.weights.replace(' ', '_')}.npz")
     for kind, title in (("folder", "Clips of the folder"), ("own", "Our own clips")):
         print(f"\n{title}, means over clips\n\n{table(rows, kind)}")
     if arguments.csv:

@@ -32,14 +32,7 @@ Value = Callable[[Floats], Json]
 
 _ROUND = 2  # both the cap and the join of that shape
 _NONZERO = 1
-_STILL: Json = {
-    "ty": "tr",
-    "p": {"a": 0, "k": [0, 0]},
-    "a": {"a": 0, "k": [0, 0]},
-    "s": {"a": 0, "k": [100, 100]},
-    "r": {"a": 0, "k": 0},
-    "o": {"a": 0, "k": 100},
-}
+_STILL: Json = {"ty": "tr"}  # what groups end with; all that it leaves out keeps them where they are
 
 
 def lottie_text(tracks: StrokeTracks, settings: ExportSettings, motions: Iterable[StrokeMotion] | None = None) -> str:
@@ -90,12 +83,12 @@ def _layer(motion: StrokeMotion, decimals: int) -> dict[str, Json]:
     else:
         width = _property(motion.half_width, lambda x: _compact(2 * float(x), decimals))
         items.append({"ty": "st", "c": colour, "o": opacity, "w": width, "lc": _ROUND, "lj": _ROUND})
-    group = {"ty": "gr", "nm": name, "it": [*items, _STILL]}
+    group = {"ty": "gr", "it": [*items, _STILL]}
     return _layer_head(name, motion.begin, motion.end) | {"ty": 4, "shapes": [group]}
 
 
 def _layer_head(name: str, begin: int, end: int) -> dict[str, Json]:
-    return {"nm": name, "ip": begin, "op": end, "st": 0, "sr": 1, "bm": 0, "ks": {"o": {"a": 0, "k": 100}}}
+    return {"nm": name, "ip": begin, "op": end, "st": 0, "ks": {}}
 
 
 def _trim(visible: Animated) -> Json:
