@@ -18,6 +18,7 @@ from videovec.propagate import Propagated, Trace, events_of
 from videovec.strokes import Strokes
 from videovec.vote.ballot import Ballot, count, hear, traced_on
 from videovec.vote.contacts import Arm, Contacts, find_contacts
+from videovec.vote.hinges import cut_at_hinges
 from videovec.vote.recut import recut
 
 __all__ = ["vote"]
@@ -38,14 +39,26 @@ def vote(ink: Ink, carried: Propagated, seed: int, trace: Trace, progress: Progr
 
     Returns:
         The same ink in strokes that may be cut and joined differently, on all drawings alike. Strokes whose lives are
-        not those of most others stay as they are, as do closed ones.
+        not those of most others stay as they are, as do closed ones; but a stroke of which a part swings about
+        another that does not is two strokes, however all drawings trace it, see `cut_at_hinges`.
     """
-    progress = progress or Silent()
+    voted = _elect(ink, carried, seed, trace, progress or Silent())
+    strokes, confidence = cut_at_hinges(*(voted or (carried.strokes, carried.confidence)), max(ink.size))
+    if voted is None and strokes is carried.strokes:
+        return carried
+    cuts = [event.drawing for event in carried.events if event.kind is EventKind.CUT]
+    return Propagated(strokes, events_of(strokes, confidence, cuts, ink.drawing_count), confidence)
+
+
+def _elect(
+    ink: Ink, carried: Propagated, seed: int, trace: Trace, progress: Progress
+) -> tuple[Strokes, NDArray[np.float64]] | None:
+    """The strokes as most drawings pair them, and the confidence of their rows; nothing if they are so already."""
     strokes = carried.strokes
     common = _common_life(strokes, seed)
     drawings = _voters(strokes, common)
     if len(drawings) < _LEAST:
-        return carried
+        return None
     progress.stage("vote", len(drawings))
     contacts = _of(find_contacts(strokes.select(common), seed), common)
     voices = []
@@ -61,11 +74,7 @@ def vote(ink: Ink, carried: Propagated, seed: int, trace: Trace, progress: Progr
         ballot = count(contacts, junction, voices)
         links |= _elected(ballot, junction, current)
         now |= current
-    if links == now:
-        return carried
-    voted, confidence = recut(strokes, carried.confidence, contacts, frozenset(links))
-    cuts = [event.drawing for event in carried.events if event.kind is EventKind.CUT]
-    return Propagated(voted, events_of(voted, confidence, cuts, ink.drawing_count), confidence)
+    return recut(strokes, carried.confidence, contacts, frozenset(links)) if links != now else None
 
 
 def _common_life(strokes: Strokes, seed: int) -> NDArray[np.intp]:
