@@ -134,26 +134,41 @@ HESITANT = np.array([0, 0, 0.01, 2, 4, 6, 8, 10, 13, 30, 60, 100, 140, 170, 185,
 """How much of a line is drawn that begins as a dot, and slows down at its end."""
 
 
-@pytest.mark.parametrize("widths", [1.0, 2.5])
-def test_a_line_that_begins_slowly_and_crosses_another_is_one_stroke(widths: float) -> None:
-    count, pen = len(HESITANT), WIDTH * widths
-    ends = np.array([[24.0, 24.0], [170.0, 150.0]])
+def page_of(lines: list[tuple[Floats, float]]) -> NDArray[np.uint8]:
+    """Coverage of polylines of given widths, by supersampling."""
     scale = 4
+    image = np.zeros((SIZE * scale, SIZE * scale), np.uint8)
+    for points, width in lines:
+        at = np.round((points * scale - 0.5) * 16).astype(np.int32)
+        cv2.polylines(image, [at], False, 255, round(width * scale), cv2.LINE_AA, 4)
+    return np.asarray(cv2.resize(image, (SIZE, SIZE), interpolation=cv2.INTER_AREA), np.uint8)
 
-    def page(t: int) -> NDArray[np.uint8]:
-        image = np.zeros((SIZE * scale, SIZE * scale), np.uint8)
-        lines = [np.array([[20.0, 160.0], [176.0, 40.0]])]
-        lines += [np.stack([ends[0], ends[0] + HESITANT[t] * (ends[1] - ends[0])])] if HESITANT[t] else []
-        for one in lines:
-            at = np.round((one * scale - 0.5) * 16).astype(np.int32)
-            cv2.polylines(image, [at], False, 255, round(pen * scale), cv2.LINE_AA, 4)
-        return np.asarray(cv2.resize(image, (SIZE, SIZE), interpolation=cv2.INTER_AREA), np.uint8)
 
-    coverage = np.stack([page(t) for t in range(count)])
+def carried(pages: list[NDArray[np.uint8]]) -> Strokes:
+    """Strokes of the first of some drawings over all of them."""
+    coverage = np.stack(pages)
     ink = Ink(coverage, np.zeros_like(coverage), np.zeros((1, 3)), np.ones(3), 0.0)
     trace = partial(initialise, settings=InitialiseSettings())
-    strokes = propagate(ink, trace(ink, 0), PropagateSettings(refine_steps=12), trace).strokes
+    return propagate(ink, trace(ink, 0), PropagateSettings(refine_steps=12), trace).strokes
+
+
+def part_of(ends: Floats, begin: float, end: float) -> Floats:
+    return np.stack([ends[0] + share * (ends[1] - ends[0]) for share in (begin, end)])
+
+
+@pytest.mark.parametrize(("width", "crossed"), [(6.0, 6.0), (15.0, 15.0), (10.0, 20.0)])
+def test_a_line_that_begins_slowly_and_crosses_another_is_one_stroke(width: float, crossed: float) -> None:
+    ends, standing = np.array([[24.0, 24.0], [170.0, 150.0]]), np.array([[30.0, 160.0], [150.0, 20.0]])
+    drawn = [[(part_of(ends, 0.0, share), width)] if share else [] for share in HESITANT]
+    strokes = carried([page_of([(standing, crossed), *lines]) for lines in drawn])
     assert len(strokes) == 2
-    drawn = strokes.points_of(strokes.row(1, count - 1))
-    gaps = [np.linalg.norm(drawn[[0, -1]][::way] - ends, axis=1).max() for way in (1, -1)]
-    assert min(gaps) < pen / 2
+    points = strokes.points_of(strokes.row(1, len(HESITANT) - 1))
+    assert min(np.linalg.norm(points[[0, -1]][::way] - ends, axis=1).max() for way in (1, -1)) < width / 2
+
+
+def test_dashes_that_are_drawn_one_after_the_other_stay_dashes() -> None:
+    ends, standing = np.array([[24.0, 24.0], [170.0, 150.0]]), np.array([[30.0, 160.0], [60.0, 180.0]])
+    early, late = np.minimum(HESITANT, 0.45), HESITANT[HESITANT > 0.52]
+    drawn = [[(0.0, share)] if share else [] for share in early] + [[(0.0, 0.45), (0.52, share)] for share in late]
+    pages = [page_of([(standing, 6.0), *((part_of(ends, *part), 6.0) for part in parts)]) for parts in drawn]
+    assert len(carried(pages)) == 3

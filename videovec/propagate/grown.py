@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.curves import arc_length
+from videovec.curves import arc_length, sample_by_arc
+from videovec.ink import Ink
 from videovec.life_edits import join_ends
 from videovec.propagate.record import Life, Row
+from videovec.propagate.target import sample
 from videovec.stroke_life import StrokeLife
 
 __all__ = ["join_grown"]
@@ -18,6 +20,14 @@ Floats = NDArray[np.float64]
 
 _TOUCH = 1.25
 """Widths, and 2 px, between two ends that are one place."""
+_CROSSED = 2.5
+"""Times that distance, where a straight line between the two ends goes on as both pieces do:"""
+_STRAIGHT = 20.0
+"""up to this turn. degrees"""
+_SAMPLES = 16
+"""Places on that line,"""
+_INKED = 128
+"""and the least coverage on them, of 255."""
 _WIDTH = 1.6
 """Factor between the widths of two pieces of one line."""
 _COLOR = 0.25
@@ -42,18 +52,19 @@ class _Contact:
     gap: float
 
 
-def join_grown(lives: list[Life]) -> list[Life]:
+def join_grown(lives: list[Life], ink: Ink) -> list[Life]:
     """Make one life of those that a line was drawn on in.
 
     Args:
         lives: All lives of one ink.
+        ink: That ink.
 
     Returns:
         The lives; those that others grew on from have their rows, and the others are gone.
     """
     left = sorted(lives, key=lambda life: (life.first, life.id))
     while True:
-        contacts = [c for a in left for b in left if (c := _contact(a, b)) is not None]
+        contacts = [c for a in left for b in left if (c := _contact(a, b, ink)) is not None]
         if not contacts:
             return left
         best = min(contacts, key=lambda contact: (contact.younger.first, contact.gap))
@@ -65,7 +76,7 @@ def _order(life: Life) -> tuple[int, int]:
     return life.first, life.id
 
 
-def _contact(older: Life, younger: Life) -> _Contact | None:
+def _contact(older: Life, younger: Life, ink: Ink) -> _Contact | None:
     """Where the younger of two lives grew on from the older one, if it did."""
     birth = younger.first
     if older.id == younger.id or older.is_closed or younger.is_closed or not older.first < birth <= older.last:
@@ -83,13 +94,33 @@ def _contact(older: Life, younger: Life) -> _Contact | None:
     for a in (0, 1):
         for b in (0, 1):
             gaps = [float(np.linalg.norm(_end(older, d, a) - _end(younger, d, b))) for d in together]
-            if max(gaps) <= reach and _grows(older, younger, a, b):
+            far = _CROSSED if _runs_on(older, younger, (a, b), ink) else 1.0
+            if max(gaps) <= far * reach and _grows(older, younger, a, b):
                 found.append(_Contact(older, younger, (a, b), max(gaps)))
     return min(found, key=lambda contact: contact.gap, default=None)
 
 
 def _end(life: Life, drawing: int, end: int) -> Floats:
     return np.asarray(life.rows[drawing].points[-end])
+
+
+def _runs_on(older: Life, younger: Life, ends: tuple[int, int], ink: Ink) -> bool:
+    """Whether the straight line between two ends goes on as both strokes do and is inked: by a line that they cross."""
+    drawing = younger.first
+    start, stop = (_end(life, drawing, end) for life, end in zip((older, younger), ends, strict=True))
+    leave, meet = (_outward(life, drawing, end) for life, end in zip((older, younger), ends, strict=True))
+    across = (stop - start) / max(float(np.linalg.norm(stop - start)), 1e-9)
+    if min(leave @ across, -meet @ across) < np.cos(np.radians(_STRAIGHT)):
+        return False
+    between = start + np.linspace(0.0, 1.0, _SAMPLES)[:, None] * (stop - start)
+    return bool(sample(ink.coverage[drawing], between).min() > _INKED)
+
+
+def _outward(life: Life, drawing: int, end: int) -> Floats:
+    """Unit direction in which a stroke leaves one of its ends, over its last third."""
+    points = sample_by_arc(life.rows[drawing].points, 4)
+    step = points[0] - points[1] if end == 0 else points[-1] - points[-2]
+    return np.asarray(step / max(float(np.linalg.norm(step)), 1e-9))
 
 
 def _grows(older: Life, younger: Life, a: int, b: int) -> bool:

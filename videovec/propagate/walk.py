@@ -82,7 +82,7 @@ def walk(
                 book.add(life)
             to_do += [(seed, range(seed + left.step, left.stop, left.step))]
             to_do += [(seed, range(seed - left.step, left.start - left.step, -left.step))]
-    book.lives = join_returning(join_grown(book.lives), book.blanks, settings.memory)
+    book.lives = join_returning(join_grown(book.lives, ink), book.blanks, settings.memory)
     for life in book.lives:
         move_seam(life)
     bound, confidence = bind(split_at_gaps(sorted(book.lives, key=lambda life: life.id), book.next_id))
