@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from videovec.brush import bridge, fit_brushes, solidify
+from videovec.brush import bridge, complete, fit_brushes, solidify
 from videovec.clip import Clip
 from videovec.fit import fit
 from videovec.initialise import initialise
@@ -22,9 +22,11 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     trace = partial(initialise, settings=config.initialise)
     seed = start_drawing(clip, ink, config.initialise)
     begun = first_strokes(solid, seed, config)
+    if not config.initialise.reference:  # an artist's strokes stay as they were drawn
+        begun = complete(begun, solid.at_drawing(seed), config.fit.edits)
     first = fit(solid.at_drawing(seed), begun, start_settings(config), config.render, progress)
     strokes = first.finished().strokes
-    if not config.initialise.reference:  # an artist's strokes stay as they were drawn
+    if not config.initialise.reference:
         strokes = bridge(strokes, ink.at_drawing(seed), config.fit.edits)
     carried = propagate(solid, strokes.shifted(seed), config.propagate, trace, progress)
     if not config.initialise.reference:

@@ -18,13 +18,15 @@ from videovec.brush import (
     Laying,
     apply_brush,
     bridge,
+    complete,
     export_brush,
     fit_brush,
     looks_textured,
     solidify,
 )
-from videovec.brush.align import align, find_repeat
+from videovec.brush.align import align
 from videovec.brush.paint import BrushTensors, find_pairs, paint
+from videovec.brush.period import find_repeat
 from videovec.brush.prepare import shorten_segments
 from videovec.brush.strips import Strip
 from videovec.curves import arc_length, sample_by_arc
@@ -282,6 +284,22 @@ def test_a_gap_of_grain_is_bridged_and_a_gap_that_was_drawn_is_not(share: float,
     page[56:64, 84:88] = 0.8 * (np.random.default_rng(1).random((8, 4)) < share)
     two = Strokes.from_curves(ends, [np.full(2, 4.0)] * 2)
     assert len(bridge(two, ink_of(page[None]), EditSettings())) == strokes
+
+
+def test_a_line_that_leaves_a_fat_one_is_traced_and_scraps_on_its_edge_are_not() -> None:
+    fat = Strokes.from_curves([np.array([[12.0, 60], [60, 58], [110, 62], [164, 60]])], [np.full(2, 8.0)])
+    thin = Strokes.from_curves([np.array([[70.0, 62], [90, 85], [110, 100], [130, 120]])], [np.full(2, 3.0)])
+    flat = Brush("flat", BrushModel.PROFILE, np.ones((1, 24)), 8.0, 1.0)
+    both = Strokes.from_curves([fat.points_of(0), thin.points_of(0)], [np.full(2, 6.0), np.full(2, 2.5)])
+    page = 1 - apply_brush(flat, both, (SIZE, SIZE), Laying.plain(both.layout))[..., 0]
+    scrap = Strokes.from_curves([np.array([[60.0, 64], [60, 66], [60, 67], [60, 68]])], [np.full(2, 2.0)])
+    traced = Strokes.concatenate([fat, replace(scrap, ids=np.array([2]))])
+    found = complete(traced, ink_of(page[None]), EditSettings())
+    assert found.ids.tolist() == [1, 3]
+    assert arc_length(found.points_of(1)) > 0.5 * arc_length(thin.points_of(0))  # the fat line has its beginning
+    true = sample_by_arc(thin.points_of(0), 400)
+    at = sample_by_arc(found.points_of(1), 40)
+    assert np.linalg.norm(at[:, None] - true, axis=2).min(axis=1).max() < 1.5
 
 
 def test_thin_lines_beside_dark_ones_survive_being_made_solid() -> None:

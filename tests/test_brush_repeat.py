@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, gaussian_filter1d
 
 from videovec.brush import Brush, BrushModel, Laying
-from videovec.brush.align import find_repeat
 from videovec.brush.drift import learn_texture, lie_along
 from videovec.brush.lifts import find_lifts, part_strokes
 from videovec.brush.partings import number_parts, parting_events, wholes_of
+from videovec.brush.period import find_repeat
 from videovec.brush.refine import Laid
 from videovec.brush.repeat import recurrence
 from videovec.brush.shape import unfairness

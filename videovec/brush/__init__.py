@@ -3,6 +3,7 @@
 from videovec.brush.apply import apply_brush, brush_coverage, draw_brushwork, solid_strokes, stroke_marks
 from videovec.brush.bridge import bridge
 from videovec.brush.choose import Evidence
+from videovec.brush.complete import complete
 from videovec.brush.detect import TextureEvidence, looks_textured, propose_textured
 from videovec.brush.export_brush import brush_files, export_brush
 from videovec.brush.fit_brush import BrushFit, fit_brush
@@ -24,6 +25,7 @@ __all__ = [
     "bridge",
     "brush_coverage",
     "brush_files",
+    "complete",
     "draw_brushwork",
     "export_brush",
     "fit_brush",

@@ -14,18 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from videovec.brush.repeat import recurrence
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 
-__all__ = ["Alignment", "Folded", "align", "find_repeat", "shuffled", "spread"]
+__all__ = ["Alignment", "Folded", "align", "shuffled", "spread"]
 
 Floats = NDArray[np.float64]
 
 _RIDGE = 1.0  # texel observations that say "no grain", so that a template of little data promises little
-_SCAN_STEP = 0.005  # of the repeat; the evidence's peak is under 2 % wide
-_SCAN_REACH = 6  # steps to either side of a candidate
-_CANDIDATES = 4
-_NEARLY = 0.95  # of the best evidence that a shorter repeat needs
 _SHUFFLE_BLOCK = 8  # texels along the stroke that stay together when a strip is shuffled
 
 
@@ -169,46 +164,3 @@ def shuffled(strips: list[Strip], rng: np.random.Generator) -> list[Strip]:
         order = np.concatenate([blocks[k] for k in rng.permutation(len(blocks))])
         found.append(replace(strip, grain=strip.grain[order], weight=strip.weight[order]))
     return found
-
-
-def find_repeat(strips: list[Strip], shortest: float, longest: float, most: int = 14) -> float:
-    """The repeat at which the strokes' textures are one.
-
-    Candidates are the distances at which grain comes back along a stroke, and repeats within a few percent of them:
-    arc lengths of traced strokes are wrong by as much. Where no stroke shows a repeat twice, all are candidates.
-
-    Args:
-        strips: S strips.
-        shortest: Shortest repeat. Widths
-        longest: Longest repeat. Widths
-        most: How many of the strips, the longest ones, are looked at.
-
-    Returns:
-        The shortest repeat whose peak of evidence is within 5 % of the best. Widths
-    """
-    longest_first = sorted(strips, key=lambda strip: -float(strip.weight.sum()))[:most]
-    longest_first = [_coarser(strip) for strip in longest_first]
-    peaks = np.sort(recurrence(longest_first, shortest, longest).peaks(_CANDIDATES))
-    around = 1 + _SCAN_STEP * np.arange(-_SCAN_REACH, _SCAN_REACH + 1)
-    scans = list(peaks[:, None] * around) if len(peaks) else [_all_repeats(shortest, longest)]
-    scores = [np.array([align(longest_first, float(one), sweeps=3).score for one in scan]) for scan in scans]
-    best = max(float(score.max()) for score in scores)
-    chosen = next(k for k, score in enumerate(scores) if score.max() >= _NEARLY * best)
-    good = np.flatnonzero(scores[chosen] >= _NEARLY * scores[chosen].max())[0]
-    while good + 1 < len(scores[chosen]) and scores[chosen][good + 1] > scores[chosen][good]:
-        good += 1
-    return float(scans[chosen][good])
-
-
-def _all_repeats(shortest: float, longest: float) -> Floats:
-    """Repeats in steps of half a percent. Widths"""
-    count = max(int(np.log(longest / shortest) / np.log1p(_SCAN_STEP)), 1)
-    return np.asarray(shortest * (1 + _SCAN_STEP) ** np.arange(count, dtype=np.float64))
-
-
-def _coarser(strip: Strip) -> Strip:
-    """The strip with half as many texels across."""
-    halves = (len(strip.grain), strip.grain.shape[1] // 2, 2)
-    weight = strip.weight[:, : 2 * halves[1]].reshape(halves)
-    grain = (strip.grain[:, : 2 * halves[1]].reshape(halves) * weight).sum(2)
-    return replace(strip, grain=grain / np.maximum(weight.sum(2), 1e-9), weight=weight.sum(2))

@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.brush.align import Alignment, find_repeat, shuffled
+from videovec.brush.align import Alignment, shuffled
 from videovec.brush.drift import learn_texture, texture_of
+from videovec.brush.period import find_repeat
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip
 from videovec.brushwork import SUPPORT, BrushModel
 from videovec.settings import BrushSettings
