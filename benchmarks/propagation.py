@@ -28,7 +28,7 @@ from samples.truth import movie_truth
 from videovec.bench.clip_truth import read_clips
 from videovec.clip import Clip, Timeline
 from videovec.clip_metrics import TrueStroke, score_clip
-from videovec.curves import arc_length, sample_by_arc
+from videovec.curves import arc_length, evaluate, parameter_at, sample_by_arc, segments_of
 from videovec.decode import decode
 from videovec.fit import fit
 from videovec.initialise import initialise
@@ -152,6 +152,33 @@ def interval_errors(known: Known, strokes: Strokes) -> Floats:
         ends = np.array(true.visible[0]) - strokes.visible[row]
         errors.append(arc_length(true.points) * float(np.abs(ends).max()))
     return np.array(errors)
+
+
+def end_errors(known: Known, strokes: Strokes) -> Floats:
+    """As `interval_errors`, but measured on the page, where a stroke is cut off: of where along it does not matter. px
+
+    A line that leaves the page at both ends could slide along itself, and no drawing would show it. An end that is
+    not cut off counts as before.
+    """
+    errors = []
+    for true, _, row in rows_of(known, strokes):
+        if row is None or len(true.visible) != 1 or true.visible[0] == (0.0, 1.0):
+            continue
+        ends, found = true.visible[0], strokes.visible[row]
+        length = arc_length(true.points)
+        if found[1] <= found[0]:
+            errors.append(length * (ends[1] - ends[0]))
+            continue
+        apart = np.linalg.norm(_places(true.points, ends) - _places(strokes.points_of(row), found), axis=1)
+        slid = length * np.abs(np.array(ends) - found)
+        errors.append(float(max(s if u in (0.0, 1.0) else a for u, a, s in zip(ends, apart, slid, strict=True))))
+    return np.array(errors)
+
+
+def _places(points: Floats, u: tuple[float, float] | Floats) -> Floats:
+    """Where arc fractions lie. [2, 2]"""
+    segment, t = parameter_at(points, u)
+    return evaluate(segments_of(points)[segment], t)
 
 
 def hidden_known(known: Known, strokes: Strokes) -> float:

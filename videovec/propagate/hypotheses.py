@@ -30,6 +30,10 @@ _LOOSE = 0.02
 """What is left of the stiffness between groups that moved apart."""
 _BAD = 0.25
 """Share of a stroke's nodes without ink from which on its group is searched for."""
+_SEEN = 0.5
+"""Share of a stroke that must be seen for it to be searched for."""
+_AS_BEFORE = 1.02
+"""Factor of the cost that is no reason to think that anything moved otherwise than before."""
 _LEAP = 2.5
 """How far a part may be found again, in sizes of the part."""
 _LEAP_PAGE = 0.08
@@ -94,7 +98,7 @@ def _as_before(
     start = source.rest + velocity
     positions = register(parted(source, start), target, start, (FINE,))
     verdict = judge(source, target, positions)
-    return (positions, verdict) if verdict.cost < best[1].cost else best
+    return (positions, verdict) if verdict.cost < _AS_BEFORE * best[1].cost else best
 
 
 def _best_start(
@@ -166,12 +170,16 @@ def _is_settled(source: Source, verdict: Verdict) -> bool:
 
 
 def _bad(source: Source, verdict: Verdict) -> NDArray[np.bool_]:
-    """Strokes that lie off the ink with much of their length, and those of parts that fit badly. bool [S]"""
+    """Strokes that lie off the ink with much of their length, and those of parts that fit badly. bool [S]
+
+    Those of which little is seen would find too much that looks like that little.
+    """
     stroke, count = source.nodes.stroke, len(source.nodes.bases)
     size = np.maximum(np.bincount(stroke, source.weight > 0, minlength=count), 1)
     part = _parts(source)[stroke]
     strayed = np.bincount(part, verdict.node_cost) > _STRAYED * np.maximum(np.bincount(part, source.weight > 0), 1)
-    return np.asarray((np.bincount(stroke, verdict.node_far, minlength=count) > _BAD * size) | strayed[_parts(source)])
+    bad = (np.bincount(stroke, verdict.node_far, minlength=count) > _BAD * size) | strayed[_parts(source)]
+    return np.asarray(bad & (source.nodes.shares(source.weight > 0) >= _SEEN))
 
 
 def _next_group(source: Source, verdict: Verdict, tried: set[tuple[int, ...]]) -> Ints | None:

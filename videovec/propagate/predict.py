@@ -31,6 +31,8 @@ _LEAP = 16.0
 """Motion between two drawings, or change of it, up to which a prediction is believed. working px"""
 _OWN = 0.5
 """Say of a stroke's own seen nodes, which may have slid along it."""
+_RATHER = 4.0
+"""Say of all of them against that of all others, if the stroke is seen whole."""
 _STEPS = 3
 """Steps before a stroke was hidden in which what moved otherwise is told from what moved alike."""
 _OTHERWISE = 6.0
@@ -169,7 +171,9 @@ def _common_motion(
     target = then[own]
     low, high = target.min(axis=0), target.max(axis=0)
     gap = np.linalg.norm(np.maximum(0.0, np.maximum(low - then[known], then[known] - high)), axis=1)
-    say = np.where(is_own[known], _OWN, alike[known] / (1.0 + (gap / _RANGE) ** 2))
+    say = np.where(is_own[known], 0.0, alike[known] / (1.0 + (gap / _RANGE) ** 2))
+    share = float(is_own[known].sum() / max(len(target), 1))
+    say[is_own[known]] = max(_OWN, _RATHER * share * float(say.sum()) / max(int(is_own[known].sum()), 1))
     a, b = _complex(then[known]), _complex(now[known])
     factor, shift = _similarity(_complex(target), _complex(guess), np.ones(len(target)))
     for tolerance in _TOLERANCES:
