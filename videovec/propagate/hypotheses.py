@@ -30,8 +30,8 @@ _LOOSE = 0.02
 """What is left of the stiffness between groups that moved apart."""
 _BAD = 0.25
 """Share of a stroke's nodes without ink from which on its group is searched for."""
-_SEEN = 0.5
-"""Share of a stroke that must be seen for it to be searched for."""
+_HIDDEN = 0.5
+"""Share of a stroke that may be hidden on the page for it to be searched for."""
 _AS_BEFORE = 1.02
 """Factor of the cost that is no reason to think that anything moved otherwise than before."""
 _LEAP = 2.5
@@ -179,7 +179,7 @@ def _bad(source: Source, verdict: Verdict) -> NDArray[np.bool_]:
     part = _parts(source)[stroke]
     strayed = np.bincount(part, verdict.node_cost) > _STRAYED * np.maximum(np.bincount(part, source.weight > 0), 1)
     bad = (np.bincount(stroke, verdict.node_far, minlength=count) > _BAD * size) | strayed[_parts(source)]
-    return np.asarray(bad & (source.nodes.shares(source.weight > 0) >= _SEEN))
+    return np.asarray(bad & (source.nodes.shares(verdict.hidden) <= _HIDDEN))
 
 
 def _next_group(source: Source, verdict: Verdict, tried: set[tuple[int, ...]]) -> Ints | None:

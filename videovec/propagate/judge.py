@@ -49,6 +49,7 @@ class Verdict:
         node_far: Which nodes have no ink near them. bool [N]
         ink_far: Which centre-line points have no stroke near them. bool [M]
         bend: Deformation energy of each node. [N] px²
+        hidden: Nodes on the page that follow no ink. bool [N]
     """
 
     cost: float
@@ -57,6 +58,7 @@ class Verdict:
     node_far: Bools
     ink_far: Bools
     bend: Floats
+    hidden: Bools
 
     def is_accepted(self, share: float) -> bool:
         """Whether there is hardly any ink left to find, or no stroke that could be sent for it.
@@ -94,11 +96,11 @@ def judge(source: Source, target: Target, positions: Floats) -> Verdict:
     """
     counts = source.weight > 0
     stands = counts | (source.hold > 0)
-    bend = _bending(source, positions)
+    bend, on_page = _bending(source, positions), target.on_page(positions)
     if not len(target) or not stands.any():
         nothing = np.full(len(positions), _TRUNCATION), np.full(len(target), _TRUNCATION)
         far = counts.copy(), np.ones(len(target), bool)
-        return Verdict(2 * _TRUNCATION, *nothing, *far, bend)
+        return Verdict(2 * _TRUNCATION, *nothing, *far, bend, ~counts & on_page)
     tangent = source.nodes.tangents(positions)
     dense, owner = between_nodes(source.nodes, positions)
     features = np.concatenate([dense, _DIRECTION * doubled(tangent)[owner]], axis=1)
@@ -111,13 +113,13 @@ def judge(source: Source, target: Target, positions: Floats) -> Verdict:
     ink_cost = np.minimum(np.sqrt(to_node), _TRUNCATION)
     _, gap = nearest(target.points, np.ascontiguousarray(features[:, :2]), np.zeros(len(ink), np.int64))
     node_far = counts & (target.distance_at(positions) > _FAR)
-    covered = find_covered(source.nodes, positions, node_far, target) | ~target.on_page(positions)
+    covered = find_covered(source.nodes, positions, node_far, target) | ~on_page
     node_cost[covered] = np.minimum(node_cost[covered], _COVERED)
     is_own = claimed(owner[stands[owner]][chosen], source.nodes)
     node_cost[counts & ~is_own] = np.maximum(node_cost[counts & ~is_own], _COVERED)
     node_far &= ~covered
     cost = float(_mean(node_cost[counts]) + ink_cost.mean() + _BENDING * np.sqrt(_mean(bend[counts])))
-    return Verdict(cost, node_cost, ink_cost, node_far, gap > _FAR**2, bend)
+    return Verdict(cost, node_cost, ink_cost, node_far, gap > _FAR**2, bend, ~counts & on_page)
 
 
 def claimed(chosen: NDArray[np.intp], nodes: Nodes) -> Bools:

@@ -6,19 +6,28 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from videovec.propagate.front import behind, passed_over, untied, without
 from videovec.propagate.hypotheses import place, place_growing
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.predict import Hold
 from videovec.propagate.registration import SETTLE, SIMILAR, Source, parted, register
+from videovec.propagate.residual import find_residual
 from videovec.propagate.support import Inks, Support
 from videovec.propagate.target import Target
 
-__all__ = ["Found", "find", "settled"]
+__all__ = ["Found", "emerging", "find", "settled"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+
+_AROUND = 10.0
+"""How far from where it waits a hidden part of a stroke is looked for. working px"""
+_ALIKE = 0.8
+"""Cosine of the largest angle between it and the ink that it may be."""
+_FEWEST = 2
+"""Nodes that must have such ink for a stroke to be moved there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,3 +105,31 @@ def _settle(source: Source, target: Target, positions: Floats, support: Support,
     phases = (SIMILAR,) if np.array_equal(weight, source.weight) and weight.all() else (SETTLE, SIMILAR)
     source = replace(parted(source, positions), weight=weight, hold=hold.stiffness, goal=hold.goal)
     return register(source, target, positions, phases)
+
+
+def emerging(nodes: Nodes, positions: Floats, half_width: Floats, support: Support, ink: Inks) -> Support | None:
+    """Let hidden nodes follow ink around them that no stroke explains.
+
+    Args:
+        nodes: N nodes.
+        positions: Where they are. [N, 2] working px
+        half_width: Of each stroke. [S] working px
+        support: What is seen of them.
+        ink: The drawing's ink.
+
+    Returns:
+        The support with these nodes seen; none if there are no such nodes.
+    """
+    hidden = ~support.shown & ~ink.front[nodes.stroke]
+    if not hidden.any() or not len(ink.own):
+        return None
+    point = find_residual(nodes, positions, support.explains(nodes), half_width, ink.own).point
+    if not point.any():
+        return None
+    gap, which = cKDTree(ink.own.points[point]).query(positions)
+    alike = np.abs((ink.own.direction[point][which] * nodes.tangents(positions)).sum(1)) >= _ALIKE
+    near = hidden & (gap <= _AROUND) & alike
+    near &= (np.bincount(nodes.stroke, near, minlength=len(nodes.bases)) >= _FEWEST)[nodes.stroke]
+    if not near.any():
+        return None
+    return replace(support, shown=support.shown | near, claimed=support.claimed | near)

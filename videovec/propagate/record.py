@@ -67,6 +67,7 @@ class Life:
         color: Ink. [3]
         rows: What it was, by drawing.
         parent: Identity of the stroke whose part beyond a gap it is, else 0.
+        covers: Whether it has hidden another stroke.
     """
 
     id: int
@@ -75,6 +76,7 @@ class Life:
     color: Floats
     rows: dict[int, Row] = field(default_factory=dict)
     parent: int = 0
+    covers: bool = False
 
     @property
     def first(self) -> int:

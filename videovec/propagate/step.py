@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from videovec.propagate.front import covering, ends_missing
 from videovec.propagate.momentum import PATIENCE, Momentum, affine_part, momentum_of
 from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
-from videovec.propagate.placing import find, settled
+from videovec.propagate.placing import emerging, find, settled
 from videovec.propagate.predict import Hold, predict_hidden
 from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
@@ -44,7 +44,6 @@ class Follower:
         drift: How each node would go on; what an affine map says of the last step in which the stroke was told apart.
             [n, 2] working px
         waited: For how many drawings it has not been told apart from others; at first it may never have been.
-        covers: Whether it has hidden another stroke.
     """
 
     life: Life
@@ -54,7 +53,6 @@ class Follower:
     unseen: int = 0
     drift: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     waited: int = PATIENCE
-    covers: bool = False
 
     def half_width(self, drawing: int) -> float:
         """Mean half-width on a drawing. px"""
@@ -116,7 +114,7 @@ def carry(
     points = _stacked([row.points for row in rows])
     half_width = scale * np.array([follower.half_width(before) for follower in followers])
     here = source_of(nodes, scale * nodes.positions(points), targets[0], _seen(nodes, rows))
-    front = np.array([follower.covers for follower in followers], bool)
+    front = np.array([follower.life.covers for follower in followers], bool)
     momentum = _momentum(followers, _others(here, front), half_width, grows)
     source = here if grows else _at_rest(followers, here, momentum, scale)
     velocity = _stacked([follower.velocity for follower in followers])
@@ -131,6 +129,12 @@ def carry(
             rest = stretched(nodes, rest, positions, support.follows(), momentum.merged)
         ink, positions = settled(found, rest, half_width, support, _held(hold, momentum))
         support = find_support(nodes, positions, half_width, ink, past)
+        out = emerging(nodes, positions, half_width, support, ink) if front.any() else None
+        if out is not None:
+            ink, moved = settled(replace(found, positions=positions), rest, half_width, out, _held(hold, momentum))
+            again = find_support(nodes, moved, half_width, ink, past)
+            if again.shown.sum() > support.shown.sum():
+                positions, support = moved, again
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
     if not is_still:
         strokes = _refined(strokes, nodes.moved(points, rest / scale), coverage, settings)
@@ -146,7 +150,7 @@ def carry(
         follower.unseen = 0 if support.visible[s] else follower.unseen + 1
         _go_on(follower, positions[own], here.rest[own], momentum.is_blind(own))
         follower.waited = int(momentum.waits[s])
-        follower.covers |= bool(covers[s])
+        follower.life.covers |= bool(covers[s])
     return Placement(nodes, positions, support, half_width)
 
 

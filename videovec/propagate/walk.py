@@ -17,6 +17,7 @@ from videovec.propagate.happenings import events_of
 from videovec.propagate.record import Life, bind, open_lives
 from videovec.propagate.residual import Residual, find_residual
 from videovec.propagate.returning import join_returning
+from videovec.propagate.reveal import reveal
 from videovec.propagate.revive import revive
 from videovec.propagate.seam import move_seam
 from videovec.propagate.split import split_at_gaps
@@ -83,6 +84,7 @@ def walk(
             to_do += [(seed, range(seed + left.step, left.stop, left.step))]
             to_do += [(seed, range(seed - left.step, left.start - left.step, -left.step))]
     book.lives = join_returning(join_grown(book.lives, ink), book.blanks, settings.memory)
+    reveal(book.lives, ink)
     for life in book.lives:
         move_seam(life)
     bound, confidence = bind(split_at_gaps(sorted(book.lives, key=lambda life: life.id), book.next_id))

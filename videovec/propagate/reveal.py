@@ -1,0 +1,118 @@
+"""What is seen of strokes behind others, once all strokes are known: the ink on them that no other explains."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from videovec.curves import arc_length, sample_by_arc
+from videovec.ink import Ink
+from videovec.propagate.gaps import runs
+from videovec.propagate.record import Interval, Life
+from videovec.propagate.target import ink_threshold, sample
+
+__all__ = ["reveal"]
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+_STEP = 0.5
+"""Distance of the places that are looked at along a stroke. px"""
+_WHOLE = 0.98
+"""Share of a stroke from which on nothing of it is hidden."""
+_LEAST = 2.0
+"""Length of ink of its own by which a stroke is seen. px"""
+_BEYOND = 8.0
+"""The same for a part beyond a gap. px"""
+_GAP = 3.0
+"""Length of bare paper, or of ink of others beyond which nothing is seen, that is a gap. px"""
+_BESIDE = 0.3
+"""How far beyond the half-width of a line its ink may still be its own alone. px"""
+
+
+def reveal(lives: list[Life], ink: Ink) -> None:
+    """Measure what is seen of every row that is hidden in part, on drawings with strokes that hide others.
+
+    Args:
+        lives: All lives of one ink; their rows are written anew.
+        ink: The drawings.
+    """
+    for drawing in range(ink.drawing_count):
+        here = [life for life in lives if drawing in life.rows]
+        if not any(life.covers and life.rows[drawing].parts for life in here):
+            continue
+        picture = (ink.coverage[drawing] / np.float32(255.0)).astype(np.float32)
+        threshold = ink_threshold(picture)
+        shown = [_shown(life, drawing) for life in here]
+        for k, life in enumerate(here):
+            row = life.rows[drawing]
+            if life.covers or row.seen >= _WHOLE or arc_length(row.points) < 2 * _LEAST:
+                continue
+            others = np.concatenate([np.zeros((0, 3)), *(shown[j] for j in range(len(here)) if j != k)])
+            count = max(3, round(arc_length(row.points) / _STEP) + 1)
+            places = sample_by_arc(row.points, count)
+            inked = sample(picture, places) > threshold
+            parts = _parts(inked, *_near(places, others), life.most_seen)
+            life.rows[drawing] = row.showing(parts)
+
+
+def _shown(life: Life, drawing: int) -> Floats:
+    """Places on what is seen of a stroke, and its half-width. [K, 3] px"""
+    row = life.rows[drawing]
+    count = max(3, round(arc_length(row.points) / _STEP) + 1)
+    u, places = np.linspace(0.0, 1.0, count), sample_by_arc(row.points, count)
+    is_seen = np.any([(u >= begin) & (u <= end) for begin, end in row.parts] or [np.zeros(count, bool)], axis=0)
+    half_width = np.full((count, 1), float(row.half_width.mean()))
+    return np.concatenate([places, half_width], axis=1)[is_seen]
+
+
+def _near(places: Floats, others: Floats) -> tuple[Bools, Floats]:
+    """Places whose ink may be that of other strokes [M], and how far they are from those [M] px."""
+    if not len(others):
+        return np.zeros(len(places), bool), np.full(len(places), np.inf)
+    gap, which = cKDTree(others[:, :2]).query(places)
+    return gap <= others[which, 2] + _BESIDE, np.asarray(gap)
+
+
+def _parts(inked: Bools, shared: Bools, gap: Floats, most_seen: Interval) -> list[Interval]:
+    """The seen parts of a stroke, in their order.
+
+    Args:
+        inked: Which places along it are on ink. bool [M]
+        shared: Which may be on ink of others. bool [M]
+        gap: How far each is from others. [M] px
+        most_seen: The most that was ever seen, as arc fractions.
+    """
+    last = len(inked) - 1
+    u = np.arange(last + 1) / last
+    own = inked & ~shared & (u >= most_seen[0] - 0.01) & (u <= most_seen[1] + 0.01)
+    pieces: list[list[int]] = []
+    for first, stop in runs(own):
+        before = pieces[-1][1] if pieces else first
+        if pieces and (~inked[before:first]).sum() * _STEP < _GAP:
+            pieces[-1][1] = stop
+        else:
+            pieces.append([first, stop])
+    length = [own[a : b + 1].sum() * _STEP for a, b in pieces]
+    if not pieces or max(length) < _LEAST:
+        return []
+    main = int(np.argmax(length))
+    kept = [piece for k, piece in enumerate(pieces) if k == main or length[k] >= _BEYOND]
+    ends = [(_end(a, -1, inked, shared, gap), _end(b, 1, inked, shared, gap)) for a, b in kept]
+    known = (0, last) if most_seen == (0.0, 1.0) else (round(most_seen[0] * last), round(most_seen[1] * last))
+    return [(max(a, known[0]) / last, min(b, known[1]) / last) for a, b in ends]
+
+
+def _end(place: int, step: int, inked: Bools, shared: Bools, gap: Floats) -> int:
+    """Where a seen part ends: in the middle of the line that it goes under, or at its own end if that is under it."""
+    stop = len(inked) if step > 0 else -1
+    at, under = place + step, []
+    while at != stop and inked[at] and shared[at]:
+        under.append(at)
+        at += step
+    if not under:
+        return place
+    if at == stop:
+        return stop - step
+    return under[int(np.argmin(gap[under]))]
