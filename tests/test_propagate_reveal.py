@@ -28,7 +28,7 @@ def lives_of(curve: Floats, seen: tuple[float, float], covers: bool = True) -> t
     return stroke, replace(post, covers=covers)
 
 
-@pytest.mark.parametrize("said", [(0.0, 0.2), (0.3, 0.9), (0.0, 0.0)])
+@pytest.mark.parametrize("said", [(0.0, 0.2), (0.3, 0.9), (0.0, 0.0), (0.0, 1.0)])
 @pytest.mark.parametrize("until", [100.0, 70.0])
 def test_a_stroke_is_seen_to_the_middle_of_what_covers_it_or_to_the_end_of_its_ink(
     said: tuple[float, float], until: float
@@ -57,7 +57,8 @@ def test_without_a_stroke_that_hides_others_nothing_is_measured_again() -> None:
 
 
 @pytest.mark.parametrize(
-    ("ink", "is_found"), [(line(20, 86, 140, 86), True), (line(20, 104, 140, 104), False), (line(60, 70, 60, 95), False)]
+    ("ink", "is_found"),
+    [(line(20, 86, 140, 86), True), (line(20, 104, 140, 104), False), (line(60, 70, 60, 95), False)],
 )
 def test_a_hidden_stroke_is_looked_for_in_ink_around_it_that_goes_its_way(ink: Floats, is_found: bool) -> None:
     nodes, positions = nodes_of([LYING, POST])

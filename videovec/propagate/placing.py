@@ -12,7 +12,7 @@ from videovec.propagate.front import behind, passed_over, untied, without
 from videovec.propagate.hypotheses import place, place_growing
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.predict import Hold
-from videovec.propagate.registration import SETTLE, SIMILAR, Source, parted, register
+from videovec.propagate.registration import FINE, SETTLE, SIMILAR, Source, parted, register
 from videovec.propagate.residual import find_residual
 from videovec.propagate.support import Inks, Support
 from videovec.propagate.target import Target
@@ -22,6 +22,10 @@ __all__ = ["Found", "emerging", "find", "settled"]
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
+_ON_INK = 3.5
+"""Distance within which a node has ink. working px"""
+_STEADY = 0.95
+"""Share of the nodes of strokes in front that must have ink where these would be by their last step."""
 _AROUND = 10.0
 """How far from where it waits a hidden part of a stroke is looked for. working px"""
 _ALIKE = 0.8
@@ -70,13 +74,29 @@ def find(
     nodes, front, search = source.nodes, strokes[0], place_growing if grows else place
     passed = passed_over(nodes, ways[:2], ways[2], front)
     ahead = replace(untied(source, front), weight=np.where(passed, 0.0, source.weight))
-    ahead, positions = search(ahead, targets[1], targets[0], velocity)
+    steady = _as_before(ahead, targets[1], velocity, front)
+    ahead, positions = search(ahead, targets[1], targets[0], velocity) if steady is None else (ahead, steady)
     ink = _inks(targets[1], nodes, positions, strokes)
     if not front.any():
         return Found(ahead, ahead, positions, ink, front)
     passed = passed_over(nodes, ways[:2], positions, front)
     loose, positions = search(behind(source, positions, front, passed), ink.own, targets[0], velocity)
     return Found(ahead, loose, positions, ink, nodes.shares(passed) > 0)
+
+
+def _as_before(source: Source, target: Target, velocity: Floats, front: Bools) -> Floats | None:
+    """Where nodes are if those of strokes in front went on as in the last step; none if these have no ink there. [N, 2]
+
+    Edges of one thing are alike: each would else be found where another has come to be.
+    """
+    which = front[source.nodes.stroke] & (source.weight > 0)
+    start = source.rest + velocity
+    if not which.any() or not len(target):
+        return None
+    positions = register(parted(source, start), target, start, (FINE,))
+    which &= target.on_page(positions)
+    near = target.distance_at(positions)[which] <= _ON_INK
+    return positions if which.any() and near.mean() >= _STEADY else None
 
 
 def _inks(target: Target, nodes: Nodes, positions: Floats, strokes: tuple[Bools, Floats]) -> Inks:

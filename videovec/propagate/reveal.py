@@ -27,12 +27,14 @@ _BEYOND = 8.0
 """The same for a part beyond a gap. px"""
 _GAP = 3.0
 """Length of bare paper, or of ink of others beyond which nothing is seen, that is a gap. px"""
+_TIP = 2.0
+"""Length up to which the end of a stroke is seen that lies beyond the middle of a line under which it ends. px"""
 _BESIDE = 0.3
 """How far beyond the half-width of a line its ink may still be its own alone. px"""
 
 
 def reveal(lives: list[Life], ink: Ink) -> None:
-    """Measure what is seen of every row that is hidden in part, on drawings with strokes that hide others.
+    """Measure what is seen of every row that is hidden in part or meets a stroke that hides others.
 
     Args:
         lives: All lives of one ink; their rows are written anew.
@@ -45,13 +47,16 @@ def reveal(lives: list[Life], ink: Ink) -> None:
         picture = (ink.coverage[drawing] / np.float32(255.0)).astype(np.float32)
         threshold = ink_threshold(picture)
         shown = [_shown(life, drawing) for life in here]
+        edges = np.concatenate([places for life, places in zip(here, shown, strict=True) if life.covers])
         for k, life in enumerate(here):
             row = life.rows[drawing]
-            if life.covers or row.seen >= _WHOLE or arc_length(row.points) < 2 * _LEAST:
+            if life.covers or arc_length(row.points) < 2 * _LEAST:
                 continue
-            others = np.concatenate([np.zeros((0, 3)), *(shown[j] for j in range(len(here)) if j != k)])
             count = max(3, round(arc_length(row.points) / _STEP) + 1)
             places = sample_by_arc(row.points, count)
+            if row.seen >= _WHOLE and not _near(places, edges)[0].any():
+                continue
+            others = np.concatenate([np.zeros((0, 3)), *(shown[j] for j in range(len(here)) if j != k)])
             inked = sample(picture, places) > threshold
             parts = _parts(inked, *_near(places, others), life.most_seen)
             life.rows[drawing] = row.showing(parts)
@@ -113,6 +118,5 @@ def _end(place: int, step: int, inked: Bools, shared: Bools, gap: Floats) -> int
         at += step
     if not under:
         return place
-    if at == stop:
-        return stop - step
-    return under[int(np.argmin(gap[under]))]
+    middle = under[int(np.argmin(gap[under]))]
+    return stop - step if at == stop and abs(stop - middle) * _STEP <= _TIP else middle
