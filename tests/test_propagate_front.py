@@ -10,6 +10,7 @@ from test_propagate import SIZE, arc, draw, ink_of, line, run, strokes_of
 from videovec.curves import sample_by_arc
 from videovec.propagate.front import behind, covering, ends_missing, passed_over, without
 from videovec.propagate.nodes import Nodes, basis_of, gather
+from videovec.propagate.placing import find
 from videovec.propagate.registration import source_of
 from videovec.propagate.target import make_target
 from videovec.strokes import Strokes
@@ -122,3 +123,16 @@ def test_nothing_is_seen_of_what_lies_under_the_bar(passed: Strokes, stroke: int
         clear = np.minimum(np.abs(x - left), np.abs(x - left - BAR)) > 4.0  # its ink and an edge's are one otherwise
         wrong = is_seen[clear] != ((u >= begin) & (u <= end) & (end > begin))[clear]
         assert wrong.mean() < 0.15 if clear.any() else True
+
+
+@pytest.mark.parametrize(("edge", "where"), [(80.0, 80.0), (150.0, 46.0)])
+def test_an_edge_goes_on_as_it_went_if_it_has_ink_there_though_another_is_nearer(edge: float, where: float) -> None:
+    across = [line(-10, y, 170, y) for y in (60.0, edge, 46.0)]
+    nodes, positions = nodes_of([across[0], *FIGURE[:2]])
+    before, after = (make_target(draw([*curves, *FIGURE[:2]]), SIZE) for curves in (across[:1], across[1:]))
+    velocity = np.where(nodes.stroke == 0, 20.0, 0.0)[:, None] * (0.0, 1.0)
+    source = source_of(nodes, positions, before)
+    ways = positions, positions, positions + velocity
+    front = np.array([True, False, False])
+    found = find(source, ways, (front, np.full(3, 1.5)), (before, after), velocity, False)
+    np.testing.assert_allclose(found.positions[nodes.stroke == 0, 1], where, atol=1.5)

@@ -27,7 +27,7 @@ _ON_INK = 3.5
 _STEADY = 0.95
 """Share of the nodes of strokes in front that must have ink where these would be by their last step."""
 _AROUND = 10.0
-"""How far from where it waits a hidden part of a stroke is looked for. working px"""
+"""How far from where it waits a hidden part of a stroke is looked for, and a steady edge is found. working px"""
 _ALIKE = 0.8
 """Cosine of the largest angle between it and the ink that it may be."""
 _FEWEST = 2
@@ -95,8 +95,8 @@ def _as_before(source: Source, target: Target, velocity: Floats, front: Bools) -
         return None
     positions = register(parted(source, start), target, start, (FINE,))
     which &= target.on_page(positions)
-    near = target.distance_at(positions)[which] <= _ON_INK
-    return positions if which.any() and near.mean() >= _STEADY else None
+    near = (target.distance_at(positions) <= _ON_INK) & (np.linalg.norm(positions - start, axis=1) <= _AROUND)
+    return positions if which.any() and near[which].mean() >= _STEADY else None
 
 
 def _inks(target: Target, nodes: Nodes, positions: Floats, strokes: tuple[Bools, Floats]) -> Inks:

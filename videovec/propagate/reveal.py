@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -58,8 +60,8 @@ def reveal(lives: list[Life], ink: Ink) -> None:
                 continue
             others = np.concatenate([np.zeros((0, 3)), *(shown[j] for j in range(len(here)) if j != k)])
             inked = sample(picture, places) > threshold
-            parts = _parts(inked, *_near(places, others), life.most_seen)
-            life.rows[drawing] = row.showing(parts)
+            under = _Under(inked, *_near(places, others), _near(places, edges)[0])
+            life.rows[drawing] = row.showing(_parts(under, row.parts, life.most_seen))
 
 
 def _shown(life: Life, drawing: int) -> Floats:
@@ -80,43 +82,62 @@ def _near(places: Floats, others: Floats) -> tuple[Bools, Floats]:
     return gap <= others[which, 2] + _BESIDE, np.asarray(gap)
 
 
-def _parts(inked: Bools, shared: Bools, gap: Floats, most_seen: Interval) -> list[Interval]:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Under:
+    """What lies at M places along a stroke.
+
+    Args:
+        inked: Which are on ink. bool [M]
+        shared: Which may be on ink of others. bool [M]
+        gap: How far each is from others. [M] px
+        edge: Which may be on ink of a stroke that hides others. bool [M]
+    """
+
+    inked: Bools
+    shared: Bools
+    gap: Floats
+    edge: Bools
+
+
+def _parts(under: _Under, said: tuple[Interval, ...], most_seen: Interval) -> list[Interval]:
     """The seen parts of a stroke, in their order.
 
     Args:
-        inked: Which places along it are on ink. bool [M]
-        shared: Which may be on ink of others. bool [M]
-        gap: How far each is from others. [M] px
+        under: What lies along it.
+        said: The parts that were seen by what was known before; there are no others beyond gaps.
         most_seen: The most that was ever seen, as arc fractions.
     """
-    last = len(inked) - 1
+    last = len(under.inked) - 1
     u = np.arange(last + 1) / last
-    own = inked & ~shared & (u >= most_seen[0] - 0.01) & (u <= most_seen[1] + 0.01)
+    own = under.inked & ~under.shared & (u >= most_seen[0] - 0.01) & (u <= most_seen[1] + 0.01)
     pieces: list[list[int]] = []
     for first, stop in runs(own):
         before = pieces[-1][1] if pieces else first
-        if pieces and (~inked[before:first]).sum() * _STEP < _GAP:
+        if pieces and (~under.inked[before:first]).sum() * _STEP < _GAP:
             pieces[-1][1] = stop
         else:
             pieces.append([first, stop])
     length = [own[a : b + 1].sum() * _STEP for a, b in pieces]
     if not pieces or max(length) < _LEAST:
         return []
+    was = np.any([(u >= begin) & (u <= end) for begin, end in said] or [np.zeros(last + 1, bool)], axis=0)
     main = int(np.argmax(length))
-    kept = [piece for k, piece in enumerate(pieces) if k == main or length[k] >= _BEYOND]
-    ends = [(_end(a, -1, inked, shared, gap), _end(b, 1, inked, shared, gap)) for a, b in kept]
+    kept = [
+        (a, b) for k, (a, b) in enumerate(pieces) if k == main or (length[k] >= _BEYOND and was[a : b + 1].mean() > 0.5)
+    ]
     known = (0, last) if most_seen == (0.0, 1.0) else (round(most_seen[0] * last), round(most_seen[1] * last))
-    return [(max(a, known[0]) / last, min(b, known[1]) / last) for a, b in ends]
+    return [(max(_end(under, a, -1), known[0]) / last, min(_end(under, b, 1), known[1]) / last) for a, b in kept]
 
 
-def _end(place: int, step: int, inked: Bools, shared: Bools, gap: Floats) -> int:
+def _end(under: _Under, place: int, step: int) -> int:
     """Where a seen part ends: in the middle of the line that it goes under, or at its own end if that is under it."""
-    stop = len(inked) if step > 0 else -1
-    at, under = place + step, []
-    while at != stop and inked[at] and shared[at]:
-        under.append(at)
+    stop = len(under.inked) if step > 0 else -1
+    at, below = place + step, []
+    while at != stop and under.inked[at] and under.shared[at]:
+        below.append(at)
         at += step
-    if not under:
+    if not below:
         return place
-    middle = under[int(np.argmin(gap[under]))]
-    return stop - step if at == stop and abs(stop - middle) * _STEP <= _TIP else middle
+    middle = below[int(np.argmin(under.gap[below]))]
+    is_tip = abs(stop - middle) * _STEP <= _TIP or not under.edge[middle]
+    return stop - step if at == stop and is_tip else middle
