@@ -7,6 +7,7 @@ import pytest
 from test_propagate import WIDTH, draw, ink_of, line, run, strokes_of
 
 from samples.scene import ellipse
+from videovec.curves import arc_length
 from videovec.propagate.unhide import unhide
 from videovec.strokes import Layout, Strokes
 
@@ -56,3 +57,4 @@ def test_a_short_stroke_that_a_line_moves_away_from_stays_seen(speed: float) -> 
     short = int(np.flatnonzero(strokes.ids == 3)[0])
     rows = [strokes.row(short, d) for d in range(9)]
     assert (strokes.visible[rows, 1] > strokes.visible[rows, 0]).all()
+    assert max(arc_length(strokes.points_of(row)) for row in rows) < 10  # it does not go along with the line

@@ -18,6 +18,10 @@ _HOPS = (1, 2, 4, 8)
 """Control points between the middle and the ends of a triple."""
 _NEARBY = 4.0
 """How far beyond the edge of a stroke ink may be its own. px"""
+_STUB = 4.0
+"""Widths of the longest stroke that keeps its length: its ends would follow the ink of what it touches."""
+_STIFF = 1.0
+"""Weight of the length of such a stroke, against 1 of a squared coverage error. 1/px²"""
 _SHORT = 1.0
 """Squared distance of the ends below which a triple has no direction. px²"""
 
@@ -41,7 +45,8 @@ def refine(
     if not len(strokes) or not coverage.any():
         return strokes
     schedule = Schedule(steps=steps, rate=0.25, width_rate=0.0, scale=3.0, coarse=0.45, rebuild=9)
-    return optimise(strokes, coverage[None], schedule, [_keep_shape(strokes, rest, rigidity)]).strokes
+    terms = [_keep_shape(strokes, rest, rigidity), _keep_length(strokes)]
+    return optimise(strokes, coverage[None], schedule, terms).strokes
 
 
 def _near(strokes: Strokes, coverage: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -71,6 +76,23 @@ def _keep_shape(strokes: Strokes, rest: NDArray[np.float64], weight: float) -> T
         return (balance * gap.square().sum(1)).sum()
 
     return keep_shape
+
+
+def _keep_length(strokes: Strokes) -> Term:
+    """Draws the ends of short strokes to the distance from each other that they had at first."""
+    ends = strokes.layout.row_points[:-1], strokes.layout.row_points[1:] - 1
+    lengths = np.array([arc_length(strokes.points_of(s)) for s in range(len(strokes))])
+    widths = np.array([2.0 * strokes.half_width_of(s).mean() for s in range(len(strokes))])
+    short = (lengths <= _STUB * widths) & ~strokes.is_closed
+    first, last = (torch.from_numpy(end[short].astype(np.int64)) for end in ends)
+    start = np.linalg.norm(strokes.points[ends[1][short]] - strokes.points[ends[0][short]], axis=1)
+    wanted = torch.from_numpy(start.astype(np.float32))
+
+    def keep_length(parameters: Parameters) -> torch.Tensor:
+        span = torch.linalg.vector_norm(parameters.points[last] - parameters.points[first], dim=1)
+        return _STIFF * (span - wanted).square().sum()
+
+    return keep_length
 
 
 def _triples(strokes: Strokes, rest: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
