@@ -90,7 +90,7 @@ def _keep_length(strokes: Strokes) -> Term:
 
     def keep_length(parameters: Parameters) -> torch.Tensor:
         span = torch.linalg.vector_norm(parameters.points[last] - parameters.points[first], dim=1)
-        return _STIFF * (span - wanted).square().sum()
+        return torch.mul((span - wanted).square().sum(), _STIFF)
 
     return keep_length
 
