@@ -1,18 +1,23 @@
-"""Whether other programs read the brushes that videovec writes: Pillow, and GIMP in batch mode where it is installed.
+"""Whether other programs read videovec's brushes: Pillow, and GIMP, Blender and Krita where they are installed.
 
     python benchmarks/brush_readback.py brush            # a folder that `videovec run --preset textured` wrote
     python benchmarks/brush_readback.py                  # a brush of noise that is made here
 
 Pillow opens the 16-bit strip and the ``.gbr`` tip. GIMP (``gimp-console``, Debian: ``gimp``) has a brush folder of
 its own, lists what it loaded from there, and paints a straight line with the pipe, in black at native size; the picture
-is compared with the strip laid along that line, away from its ends.
+is compared with the strip laid along that line, away from its ends. Blender (``blender -b``) runs the script of the
+material. Krita, which has no batch mode for brushes, is started for a minute on a made-up screen (``xvfb-run``) with
+data folders of its own, and what it registered is read from its resource database; it does not paint.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import shutil
+import signal
+import sqlite3
 import subprocess
 import tempfile
 from dataclasses import replace
@@ -29,6 +34,7 @@ from videovec.brush.export_gimp import CELL
 Floats = NDArray[np.float64]
 LENGTH, HEIGHT = 1000, 160  # px of the page that GIMP paints on
 _BEGIN = 100.0
+_KRITA_SECONDS = 75  # it never ends by itself
 _WIDTH = CELL / 1.25  # px of the brush in the cells of its pipe
 
 SCRIPT = """
@@ -95,6 +101,43 @@ def by_gimp(brush: Brush, folder: Path, program: str) -> str:
     return f"GIMP: loaded {loaded}; a straight line is {likeness(brush, painted):.1f} dB from the strip"
 
 
+def by_blender(brush: Brush, folder: Path, program: str) -> str:
+    """What Blender says of the material that the script made."""
+    told = [program, "-b", "--python-exit-code", "3", "-P", str(folder / f"{brush.name}_blender.py")]
+    done = subprocess.run(told, capture_output=True, text=True, timeout=300)
+    version, *_ = done.stdout.splitlines()
+    said = [line for line in done.stdout.splitlines() if line.startswith("material")]
+    return f"{version}: exit {done.returncode}, {said[0] if said else done.stderr[-400:]}"
+
+
+def by_krita(brush: Brush, folder: Path, program: str) -> str:
+    """Which of the files Krita registers: name, kind, and bytes of the thumbnail that it made of each."""
+    home = Path(tempfile.mkdtemp())
+    for kind, place in (("kpp", "paintoppresets"), ("gbr", "brushes"), ("gih", "brushes")):
+        (home / "krita" / place).mkdir(parents=True, exist_ok=True)
+        shutil.copy(folder / f"{brush.name}.{kind}", home / "krita" / place)
+    environment = {**os.environ, "HOME": str(home), "XDG_DATA_HOME": str(home), "XDG_CONFIG_HOME": str(home / "config")}
+    told = ["xvfb-run", "-a", program, "--nosplash"]
+    with (home / "said").open("w") as said:
+        running = subprocess.Popen(told, env=environment, stdout=said, stderr=said, start_new_session=True)
+        try:
+            running.wait(_KRITA_SECONDS)
+        except subprocess.TimeoutExpired:
+            os.killpg(running.pid, signal.SIGTERM)
+            running.wait()
+    query = (
+        "select r.filename, r.name, t.name, length(r.thumbnail) from resources r "
+        "join resource_types t on t.id = r.resource_type_id where r.status = 1 and r.filename like ? and r.name like ?"
+    )
+    cache = home / "krita" / "resourcecache.sqlite"
+    with contextlib.closing(sqlite3.connect(cache)) as database:
+        rows = database.execute(query, (f"{brush.name}.%", f"{brush.name}%")).fetchall()
+    shutil.rmtree(home)
+    return "Krita registered " + "; ".join(
+        f"{file} as {name!r} in {kind}, thumbnail {n} B" for file, name, kind, n in rows
+    )
+
+
 def likeness(brush: Brush, painted: Floats) -> float:
     """PSNR of a painted line against the strip laid along it, at the place where it fits best. dB"""
     columns = len(brush.strip)
@@ -122,6 +165,10 @@ def main() -> None:
         print(by_pillow(brush, Path(place)))
         program = shutil.which("gimp-console") or shutil.which("gimp-console-2.10")
         print(by_gimp(brush, Path(place), program) if program else "GIMP: not installed")
+        program = shutil.which("blender")
+        print(by_blender(brush, Path(place), program) if program else "Blender: not installed")
+        program = shutil.which("krita") if shutil.which("xvfb-run") else None
+        print(by_krita(brush, Path(place), program) if program else "Krita, or xvfb-run: not installed")
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from videovec.brush import Brush, BrushModel, Laying
 from videovec.brush.drift import learn_texture, lie_along
 from videovec.brush.lifts import find_lifts, part_strokes
 from videovec.brush.partings import number_parts, parting_events, wholes_of
-from videovec.brush.period import find_repeat
+from videovec.brush.period import _first_good, find_repeat
 from videovec.brush.refine import Laid
 from videovec.brush.repeat import recurrence
 from videovec.brush.shape import unfairness
@@ -64,6 +64,12 @@ def test_strokes_too_short_to_show_a_repeat_show_none() -> None:
     rng = np.random.default_rng(2)
     strips = [laid(grain(16.0, rng), 5.0, 0.0, rng) for _ in range(4)]
     assert not len(recurrence(strips, 4.0, 12.0).peaks(3))
+
+
+def test_strokes_that_share_nothing_have_some_repeat_all_the_same() -> None:
+    """Every score of evidence is below nothing: what explains no grain adds to it."""
+    assert _first_good(np.array([-0.3, -0.1, -0.2])) == 1
+    assert _first_good(np.array([0.2, 0.96, 1.0])) == 1
 
 
 def test_a_stroke_is_parted_where_the_other_one_began_that_was_drawn_the_other_way() -> None:

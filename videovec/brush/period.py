@@ -49,17 +49,23 @@ def find_repeat(strips: list[Strip], shortest: float, longest: float, most: int 
     around = 1 + _SCAN_STEP * np.arange(-_SCAN_REACH, _SCAN_REACH + 1)
     found = [(float(peak), _best_rigid(longest_first, peak * around)) for peak in peaks]
     scores = np.array([[learn_texture(longest_first, one, rounds=1).score for one in both] for both in found])
-    chosen = int(np.flatnonzero(scores.max(axis=1) >= _NEARLY * scores.max())[0])
+    chosen = _first_good(scores.max(axis=1))
     return found[chosen][int(np.argmax(scores[chosen]))]
 
 
 def _best_rigid(strips: list[Strip], repeats: Floats) -> float:
     """The first of ascending repeats at a peak of rigid evidence that is nearly the best. Widths"""
     scores = np.array([align(strips, float(one), sweeps=3).score for one in repeats])
-    good = int(np.flatnonzero(scores >= _NEARLY * scores.max())[0])
+    good = _first_good(scores)
     while good + 1 < len(scores) and scores[good + 1] > scores[good]:
         good += 1
     return float(repeats[good])
+
+
+def _first_good(scores: Floats) -> int:
+    """The first of some scores that is nearly the best, which may be less than nothing."""
+    best = float(scores.max())
+    return int(np.flatnonzero(scores >= min(_NEARLY * best, best))[0])
 
 
 def _all_repeats(shortest: float, longest: float) -> Floats:
