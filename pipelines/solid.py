@@ -4,6 +4,7 @@ from functools import partial
 
 from videovec.brush import propose_textured
 from videovec.clip import Clip
+from videovec.edits import complete
 from videovec.fit import fit
 from videovec.initialise import initialise
 from videovec.ink import extract_ink
@@ -26,7 +27,10 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     first = fit(ink.at_drawing(seed), begun, start_settings(config), config.render, progress)
     if ink.drawing_count == 1:
         return StrokeTracks.of(clip, ink, first)
-    carried = propagate(ink, first.finished().strokes.shifted(seed), config.propagate, trace, progress)
+    strokes = first.finished().strokes
+    if config.initialise.reference:  # what an artist left out gets strokes of its own, as new ink does later on
+        strokes = complete(strokes, ink.at_drawing(seed), config.fit.edits)
+    carried = propagate(ink, strokes.shifted(seed), config.propagate, trace, progress)
     if not config.initialise.reference:  # an artist's strokes stay as they were drawn
         carried = vote(ink, carried, seed, trace, progress)
     result = fit(ink, measure_opacity(carried.strokes, ink), config.fit, config.render, progress)

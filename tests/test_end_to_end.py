@@ -166,6 +166,20 @@ def test_an_artists_svg_gives_the_first_strokes_their_order_and_identity(tmp_pat
     assert worst_psnr(tmp_path / "out", frames) > 25
 
 
+def test_what_an_artist_left_out_becomes_strokes_after_the_artists(tmp_path: Path) -> None:
+    frames = draw_frames()
+    source = images("walk")(tmp_path, frames)
+    (tmp_path / "first.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{SIDE}" height="{SIDE}" fill="none" stroke="black">'
+        '<circle data-stroke-id="9" stroke-width="3" cx="20" cy="22" r="11"/></svg>'
+    )
+    tracks = run(source, tmp_path / "out", f"initialise.reference={tmp_path / 'first.svg'}")
+    assert tracks.strokes.ids.tolist() == [9, 10]
+    assert tracks[10].life == tracks[9].life
+    assert not tracks.events
+    assert worst_psnr(tmp_path / "out", frames) > 25
+
+
 def test_the_same_input_and_seed_give_the_same_bytes(tmp_path: Path) -> None:
     source = images("walk")(tmp_path, draw_frames(3))
     written = []

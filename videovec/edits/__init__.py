@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from videovec.edits.apply import edit, finish
+from videovec.edits.apply import complete, edit, finish
 
-__all__ = ["edit", "finish"]
+__all__ = ["complete", "edit", "finish"]

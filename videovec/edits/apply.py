@@ -18,7 +18,7 @@ from videovec.ink import Ink
 from videovec.settings import EditSettings
 from videovec.strokes import Strokes
 
-__all__ = ["edit", "finish"]
+__all__ = ["complete", "edit", "finish"]
 
 _CHANCE = 8.0  # variances of the noise: what a control point gains by following it is 2, and noise is not white
 
@@ -48,6 +48,19 @@ def edit(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
     strokes = add_strokes(strokes, page, ink, settings, next_id)
     strokes = remove_joints(strokes, page, settings)
     return divide(strokes, page, settings)
+
+
+def complete(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
+    """Add strokes for ink that none draws; those that there are stay as they are, and come first.
+
+    Args:
+        strokes: Strokes of drawing 0.
+        ink: The ink of that drawing alone.
+        settings: What counts as uncovered, and the price of a control point.
+    """
+    page = Page(ink.coverage[0], layers_of(strokes, ink.size))
+    next_id = int(max(strokes.ids, default=0)) + 1
+    return add_strokes(strokes, page, ink, _priced(strokes, ink, settings), next_id)
 
 
 def finish(strokes: Strokes, ink: Ink, settings: EditSettings) -> Strokes:
