@@ -19,6 +19,7 @@ import videovec.stroke_track
 import videovec.track_layouts
 import videovec.track_set
 import videovec.tracks
+from videovec.brushwork import Brush, BrushModel, Brushwork, Laying
 from videovec.clip import Timeline
 from videovec.curves import arc_length, sample_by_arc
 from videovec.errors import InputError, OutputError
@@ -188,6 +189,19 @@ def test_saved_tracks_come_back_exactly(tracks: StrokeTracks, tmp_path: Path) ->
     assert back.to_bytes() == rich.to_bytes()
     with np.load(tmp_path / "deep" / "tracks.npz", allow_pickle=False) as archive:
         assert int(archive["format_version"]) == 1
+
+
+def test_older_tracks_of_textured_lines_have_one_shift_for_each_row(tracks: StrokeTracks, tmp_path: Path) -> None:
+    layout = tracks.strokes.layout
+    brush = Brush("chalk", BrushModel.TEXTURE, np.ones((8, 4)), 4.0, 2.0)
+    work = Brushwork((brush,), np.zeros(len(tracks), np.intp), Laying.plain(layout))
+    path = replace(tracks, brushwork=work).save(tmp_path / "tracks.npz")
+    arrays = dict(np.load(path))
+    of_row = np.arange(float(tracks.strokes.row_count))
+    np.savez(path, **(arrays | {"brush_shift": of_row}))
+    older = StrokeTracks.load(path).brushwork
+    assert older is not None
+    np.testing.assert_array_equal(older.laying.shift, of_row[layout.joint_row])
 
 
 def test_no_strokes_are_saved_and_loaded_too(tracks: StrokeTracks, tmp_path: Path) -> None:

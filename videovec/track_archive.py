@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -147,8 +148,8 @@ def pack_brushwork(brushwork: Brushwork | None) -> Arrays:
     }
 
 
-def unpack_brushwork(arrays: Arrays) -> Brushwork | None:
-    """The brushwork that :func:`pack_brushwork` took."""
+def unpack_brushwork(arrays: Arrays, layout: Layout) -> Brushwork | None:
+    """The brushwork that :func:`pack_brushwork` took, of strokes of a layout."""
     if "brush_name" not in arrays:
         return None
     fields = ("name", "model", "width", "repeat")
@@ -157,4 +158,6 @@ def unpack_brushwork(arrays: Arrays) -> Brushwork | None:
         for k, (name, model, width, u) in enumerate(zip(*(arrays[f"brush_{field}"] for field in fields), strict=True))
     )
     laying = Laying(*(arrays[f"brush_{name}"].astype(np.float64) for name in _LAYING_FIELDS))
+    if len(laying.shift) == len(layout.row_stroke):  # older tracks have one shift for all joints of a row
+        laying = replace(laying, shift=laying.shift[layout.joint_row])
     return Brushwork(brushes, arrays["brush_chosen"].astype(np.intp), laying)

@@ -286,16 +286,17 @@ class StrokeTracks(TrackSet):
             raise InputError(f"cannot read tracks {path}: {error.strerror or error}") from error
         arrays = unpack(data, str(path))
         height, width = arrays["size"].tolist()
+        strokes = unpack_strokes(arrays)
         return StrokeTracks(
             name=str(arrays["name"]),
             size=(height, width),
             page=arrays["page"].astype(np.float64),
             timeline=unpack_timeline(arrays),
-            strokes=unpack_strokes(arrays),
+            strokes=strokes,
             events=unpack_events(arrays),
             error=arrays["error"].astype(np.float64),
             confidence=arrays["confidence"].astype(np.float64),
-            brushwork=unpack_brushwork(arrays),
+            brushwork=unpack_brushwork(arrays, strokes.layout),
             is_finished=bool(arrays.get("is_finished", True)),
         )
 
