@@ -15,6 +15,8 @@ from videovec.events import EventKind
 from videovec.initialise import initialise
 from videovec.ink import Ink
 from videovec.propagate import propagate
+from videovec.propagate.grown import join_grown
+from videovec.propagate.record import Life, Row
 from videovec.settings import InitialiseSettings, PropagateSettings
 from videovec.strokes import Strokes
 
@@ -172,3 +174,17 @@ def test_dashes_that_are_drawn_one_after_the_other_stay_dashes() -> None:
     drawn = [[(0.0, share)] if share else [] for share in early] + [[(0.0, 0.45), (0.52, share)] for share in late]
     pages = [page_of([(standing, 6.0), *((part_of(ends, *part), 6.0) for part in parts)]) for parts in drawn]
     assert len(carried(pages)) == 3
+
+
+@pytest.mark.parametrize(("is_seen", "strokes"), [(True, 1), (False, 2)])
+def test_what_appears_at_the_end_of_a_hidden_stroke_does_not_grow_on_from_it(is_seen: bool, strokes: int) -> None:
+    """A line is revealed bit by bit where the end of another one is, which may be hidden then."""
+    older, younger = np.linspace([20.0, 60.0], [80.0, 60.0], 4), np.linspace([84.0, 60.0], [150.0, 60.0], 4)
+    shown = [(0.0, 1.0)] * 4 if is_seen else [(0.0, 1.0), (0.0, 0.6), (0.0, 0.0), (0.0, 0.0)]
+    half = np.full(2, 3.0)
+    rows = {d: Row(older, half, 1.0, part, 1.0) for d, part in enumerate(shown)}
+    born = {d: Row(younger, half, 1.0, (0.0, share), 1.0) for d, share in ((2, 0.3), (3, 0.7))}
+    lives = [Life(n, False, n, np.zeros(3), part) for n, part in ((1, rows), (2, born))]
+    blank = np.zeros((4, SIZE, SIZE), np.uint8)
+    ink = Ink(blank, blank, np.zeros((1, 3)), np.ones(3), 0.0)
+    assert len(join_grown(lives, ink)) == strokes

@@ -126,9 +126,10 @@ def _outward(life: Life, drawing: int, end: int) -> Floats:
 def _grows(older: Life, younger: Life, a: int, b: int) -> bool:
     """Whether the older one grew to its end until then, the younger one grows away from it, or is next to nothing."""
     birth = younger.first
-    row = older.rows.get(birth - 1)
-    was_drawn = row is not None and _reaches(row, a) and not _reaches(older.rows[older.first], a, _GROWN)
-    now = younger.rows[birth]
+    before, now = older.rows.get(birth - 1), younger.rows[birth]
+    if not any(row is not None and _reaches(row, a) for row in (before, older.rows[birth])):
+        return False  # what is hidden there did not grow on
+    was_drawn = before is not None and _reaches(before, a) and not _reaches(older.rows[older.first], a, _GROWN)
     is_drawn = _reaches(now, b) and not _reaches(now, 1 - b, _GROWN)
     return was_drawn or is_drawn or _is_crumb(younger)
 
