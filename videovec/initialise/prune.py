@@ -85,7 +85,8 @@ def _sharpen_corners(graph: Graph, widths: Widths) -> None:
             if opening is not None:
                 tip = graph.remove(leaf).leaving(node).line[-1]
                 merged = width / (2.0 * np.tan(np.radians(opening) / 2.0))  # from there on each line has two edges
-                graph.sharpen(node, tip, min(_CLEAR * merged, 4.0 * width))
+                reach = min(_CLEAR * merged, 4.0 * width) if width > widths.least else 0.0  # hairlines part at once
+                graph.sharpen(node, tip, reach)
                 break
 
 
