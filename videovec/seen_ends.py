@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.curves import arc_length, sample_by_arc
+from videovec.propagate.gaps import runs
 from videovec.strokes import Strokes
 
 __all__ = ["measure_ends"]
@@ -65,8 +66,4 @@ def _on_page(points: Floats, seen: tuple[float, float], page: Floats, half_width
 
 def _longest(values: Bools) -> tuple[int, int] | None:
     """First and last place of the longest run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], values.astype(np.int8), [0]])))
-    if not len(edges):
-        return None
-    k = int((edges[1::2] - edges[::2]).argmax())
-    return int(edges[2 * k]), int(edges[2 * k + 1]) - 1
+    return max(runs(values), key=lambda run: run[1] - run[0], default=None)

@@ -67,10 +67,6 @@ class Nursery:
         self._settings = settings
         self._trace = trace
         self._direction = direction
-        self.clear()
-
-    def clear(self) -> None:
-        """Forget what was watched."""
         self._seeds: list[_Seed] = []
         self._residuals: dict[int, Residual] = {}
 

@@ -81,9 +81,7 @@ def _contact(older: Life, younger: Life, ink: Ink) -> _Contact | None:
     birth = younger.first
     if older.id == younger.id or older.is_closed or younger.is_closed or not older.first < birth <= older.last:
         return None
-    if np.abs(older.color - younger.color).max() > _COLOR or any(
-        row.gaps for x in (older, younger) for row in x.rows.values()
-    ):
+    if np.abs(older.color - younger.color).max() > _COLOR or older.has_gaps or younger.has_gaps:
         return None
     widths = [float(life.rows[birth].half_width.mean()) for life in (older, younger)]
     if not 1 / _WIDTH <= widths[0] / max(widths[1], 1e-9) <= _WIDTH:
@@ -155,17 +153,12 @@ def _joined(contact: _Contact) -> Life:
     width = 2 * float(max(a.half_width.mean(), b.half_width.mean()))
     both = join_ends(a, b, _MERGED * width)
     both = both if contact.ends[0] == 1 else both.reversed()
-    sure = [max(x.rows[d].confidence for x in (older, younger) if d in x.rows) for d in drawings]
-    rows = {
-        d: Row(both.points[k], both.half_width[k], float(both.opacity[k]), (float(v[0]), float(v[1])), sure[k])
-        for k, (d, v) in enumerate(zip(drawings, both.visible, strict=True))
-    }
-    return replace(older, rows=rows)
+    return older.becoming(both, (older, younger))
 
 
 def _stretched(life: Life, guide: Life, drawings: range) -> StrokeLife:
     """A life over more drawings: hidden, and carried along by another, where it has no rows."""
-    rows = []
+    rows = {}
     for drawing in drawings:
         near = min(life.rows, key=lambda d: abs(d - drawing))
         row = life.rows[near]
@@ -174,18 +167,8 @@ def _stretched(life: Life, guide: Life, drawings: range) -> StrokeLife:
             if drawing in guide.rows and near in guide.rows:
                 shift = guide.rows[drawing].points.mean(0) - guide.rows[near].points.mean(0)
             row = replace(row, points=row.points + shift, visible=(0.0, 0.0), opacity=_opacity(guide, drawing, row))
-        rows.append(row)
-    return StrokeLife(
-        id=life.id,
-        first=drawings[0],
-        points=np.stack([row.points for row in rows]),
-        half_width=np.stack([row.half_width for row in rows]),
-        opacity=np.array([row.opacity for row in rows]),
-        visible=np.array([row.visible for row in rows]),
-        color=life.color,
-        layer=life.layer,
-        is_closed=False,
-    )
+        rows[drawing] = row
+    return replace(life, rows=rows).whole()
 
 
 def _opacity(guide: Life, drawing: int, row: Row) -> float:

@@ -15,7 +15,7 @@ from videovec.propagate.registration import COARSE, FINE, RIGID, Source, parted,
 from videovec.propagate.search import find_motions, scene_of
 from videovec.propagate.target import Target, sample
 
-__all__ = ["place", "place_growing"]
+__all__ = ["moved_on", "place", "place_growing"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -91,12 +91,17 @@ def place_growing(source: Source, target: Target, before: Target, velocity: Floa
     return place(source, target, before, velocity)
 
 
+def moved_on(source: Source, target: Target, velocity: Floats) -> Floats:
+    """Register strokes from where they are if everything moves as in the last step. [N, 2] working px"""
+    start = source.rest + velocity
+    return register(parted(source, start), target, start, (FINE,))
+
+
 def _as_before(
     source: Source, target: Target, velocity: Floats, best: tuple[Floats, Verdict]
 ) -> tuple[Floats, Verdict]:
     """Try whether everything moves on as in the last step: what passes before the rest must not drag it along."""
-    start = source.rest + velocity
-    positions = register(parted(source, start), target, start, (FINE,))
+    positions = moved_on(source, target, velocity)
     verdict = judge(source, target, positions)
     return (positions, verdict) if verdict.cost < _AS_BEFORE * best[1].cost else best
 

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from videovec.propagate.front import behind, passed_over, untied, without
-from videovec.propagate.hypotheses import place, place_growing
+from videovec.propagate.hypotheses import moved_on, place, place_growing
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.predict import Hold
-from videovec.propagate.registration import FINE, SETTLE, SIMILAR, Source, parted, register
+from videovec.propagate.registration import SETTLE, SIMILAR, Source, parted, register
 from videovec.propagate.residual import find_residual
 from videovec.propagate.support import Inks, Support
 from videovec.propagate.target import Target
@@ -93,7 +93,7 @@ def _as_before(source: Source, target: Target, velocity: Floats, front: Bools) -
     start = source.rest + velocity
     if not which.any() or not len(target):
         return None
-    positions = register(parted(source, start), target, start, (FINE,))
+    positions = moved_on(source, target, velocity)
     which &= target.on_page(positions)
     near = (target.distance_at(positions) <= _ON_INK) & (np.linalg.norm(positions - start, axis=1) <= _AROUND)
     return positions if which.any() and near[which].mean() >= _STEADY else None

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.stroke_life import StrokeLife
 from videovec.strokes import Layout, Strokes
 
 __all__ = ["Interval", "Life", "Row", "bind", "open_lives"]
@@ -92,6 +93,36 @@ class Life:
     def most_seen(self) -> Interval:
         """The longest part of the arc that was ever seen."""
         return max((row.visible for row in self.rows.values()), key=lambda visible: visible[1] - visible[0])
+
+    @property
+    def has_gaps(self) -> bool:
+        """Whether it has a gap on any drawing."""
+        return any(row.gaps for row in self.rows.values())
+
+    def whole(self) -> StrokeLife:
+        """The same as arrays; gaps are left out."""
+        rows = [self.rows[drawing] for drawing in sorted(self.rows)]
+        return StrokeLife(
+            id=self.id,
+            first=self.first,
+            points=np.stack([row.points for row in rows]),
+            half_width=np.stack([row.half_width for row in rows]),
+            opacity=np.array([row.opacity for row in rows]),
+            visible=np.array([row.visible for row in rows]),
+            color=self.color,
+            layer=self.layer,
+            is_closed=self.is_closed,
+        )
+
+    def becoming(self, whole: StrokeLife, others: Sequence[Life]) -> Life:
+        """This identity with the rows of arrays, each as sure as the surest of some lives is on its drawing."""
+        rows = {}
+        for k, visible in enumerate(whole.visible.tolist()):
+            sure = [life.rows[whole.first + k].confidence for life in others if whole.first + k in life.rows]
+            rows[whole.first + k] = Row(
+                whole.points[k], whole.half_width[k], float(whole.opacity[k]), tuple(visible), max(sure, default=0.0)
+            )
+        return replace(self, rows=rows)
 
 
 def open_lives(strokes: Strokes) -> list[Life]:

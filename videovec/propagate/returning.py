@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from videovec.curves import sub_curve
 from videovec.life_edits import join_in_time
-from videovec.propagate.record import Life, Row
+from videovec.propagate.record import Life
 from videovec.propagate.relink import same_shape
-from videovec.stroke_life import StrokeLife
 
 __all__ = ["join_returning"]
 
@@ -42,51 +39,20 @@ def join_returning(lives: list[Life], blanks: list[int], memory: int) -> list[Li
         ]
         for _, a, b in sorted(costs):
             if a in left and b in left and left[a].last < blank:
-                left[a] = _joined(left[a], left.pop(b))
+                pair = left[a], left.pop(b)
+                left[a] = pair[0].becoming(join_in_time(pair[0].whole(), pair[1].whole()), pair)
     return list(left.values())
 
 
 def _difference(a: Life, b: Life) -> float | None:
     """How far the shapes of two lives are from each other, each where most of it is seen; none if they differ."""
-    if a.is_closed != b.is_closed or np.abs(a.color - b.color).max() > _COLOR or _has_gaps(a) or _has_gaps(b):
+    if a.is_closed != b.is_closed or np.abs(a.color - b.color).max() > _COLOR or a.has_gaps or b.has_gaps:
         return None
     match = same_shape(_most(a), _most(b), a.is_closed)
     return None if match is None else match[0]
-
-
-def _has_gaps(life: Life) -> bool:
-    return any(row.gaps for row in life.rows.values())
 
 
 def _most(life: Life) -> NDArray[np.float64]:
     """The part of a stroke that is seen on the drawing on which that is most. Control points [3n+1, 2] px"""
     row = max(life.rows.values(), key=lambda row: row.seen)
     return sub_curve(row.points, row.half_width, *row.visible)[0]
-
-
-def _joined(a: Life, b: Life) -> Life:
-    whole = join_in_time(_as_one(a), _as_one(b))
-    sure = {drawing: row.confidence for life in (a, b) for drawing, row in life.rows.items()}
-    rows = {
-        d: Row(
-            whole.points[k], whole.half_width[k], float(whole.opacity[k]), (float(v[0]), float(v[1])), sure.get(d, 0.0)
-        )
-        for k, v in enumerate(whole.visible)
-        for d in (whole.first + k,)
-    }
-    return replace(a, rows=rows)
-
-
-def _as_one(life: Life) -> StrokeLife:
-    rows = [life.rows[drawing] for drawing in sorted(life.rows)]
-    return StrokeLife(
-        id=life.id,
-        first=life.first,
-        points=np.stack([row.points for row in rows]),
-        half_width=np.stack([row.half_width for row in rows]),
-        opacity=np.array([row.opacity for row in rows]),
-        visible=np.array([row.visible for row in rows]),
-        color=life.color,
-        layer=life.layer,
-        is_closed=life.is_closed,
-    )

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from videovec.curves import arc_length, sample_by_arc
 from videovec.ink import Ink
 from videovec.propagate.gaps import runs
-from videovec.propagate.record import Interval, Life
+from videovec.propagate.record import Interval, Life, Row
 from videovec.propagate.target import ink_threshold, sample
 
 __all__ = ["reveal"]
@@ -48,14 +48,14 @@ def reveal(lives: list[Life], ink: Ink) -> None:
             continue
         picture = (ink.coverage[drawing] / np.float32(255.0)).astype(np.float32)
         threshold = ink_threshold(picture)
-        shown = [_shown(life, drawing) for life in here]
+        along = [_along(life.rows[drawing]) for life in here]
+        shown = [_shown(life.rows[drawing], places) for life, places in zip(here, along, strict=True)]
         edges = np.concatenate([places for life, places in zip(here, shown, strict=True) if life.covers])
         for k, life in enumerate(here):
             row = life.rows[drawing]
             if life.covers or arc_length(row.points) < 2 * _LEAST:
                 continue
-            count = max(3, round(arc_length(row.points) / _STEP) + 1)
-            places = sample_by_arc(row.points, count)
+            places = along[k]
             if row.seen >= _WHOLE and not _near(places, edges)[0].any():
                 continue
             others = np.concatenate([np.zeros((0, 3)), *(shown[j] for j in range(len(here)) if j != k)])
@@ -64,14 +64,22 @@ def reveal(lives: list[Life], ink: Ink) -> None:
             life.rows[drawing] = row.showing(_parts(under, row.parts, life.most_seen))
 
 
-def _shown(life: Life, drawing: int) -> Floats:
-    """Places on what is seen of a stroke, and its half-width. [K, 3] px"""
-    row = life.rows[drawing]
-    count = max(3, round(arc_length(row.points) / _STEP) + 1)
-    u, places = np.linspace(0.0, 1.0, count), sample_by_arc(row.points, count)
-    is_seen = np.any([(u >= begin) & (u <= end) for begin, end in row.parts] or [np.zeros(count, bool)], axis=0)
-    half_width = np.full((count, 1), float(row.half_width.mean()))
+def _along(row: Row) -> Floats:
+    """Places all along a stroke. [M, 2] px"""
+    return sample_by_arc(row.points, max(3, round(arc_length(row.points) / _STEP) + 1))
+
+
+def _shown(row: Row, places: Floats) -> Floats:
+    """Those of the places along a stroke that are seen, and its half-width. [K, 3] px"""
+    is_seen = _within(row.parts, len(places))
+    half_width = np.full((len(places), 1), float(row.half_width.mean()))
     return np.concatenate([places, half_width], axis=1)[is_seen]
+
+
+def _within(parts: tuple[Interval, ...], count: int) -> Bools:
+    """Which of some places, evenly along a stroke, lie in parts of it. bool [M]"""
+    u = np.linspace(0.0, 1.0, count)
+    return np.asarray(np.any([(u >= begin) & (u <= end) for begin, end in parts] or [np.zeros(count, bool)], axis=0))
 
 
 def _near(places: Floats, others: Floats) -> tuple[Bools, Floats]:
@@ -120,7 +128,7 @@ def _parts(under: _Under, said: tuple[Interval, ...], most_seen: Interval) -> li
     length = [own[a : b + 1].sum() * _STEP for a, b in pieces]
     if not pieces or max(length) < _LEAST:
         return []
-    was = np.any([(u >= begin) & (u <= end) for begin, end in said] or [np.zeros(last + 1, bool)], axis=0)
+    was = _within(said, last + 1)
     main = int(np.argmax(length))
     kept = [
         (a, b) for k, (a, b) in enumerate(pieces) if k == main or (length[k] >= _BEYOND and was[a : b + 1].mean() > 0.5)

@@ -160,6 +160,7 @@ class _Walk:
                 for follower in self._followers:
                     follower.life.rows.pop(drawing, None)
                 self._end()
+                progress.advance()
                 return ahead[ahead.index(drawing) :]
             for life in self._nursery.observe(drawing, residual, self._followers, drawing == ahead[-1]):
                 self._followers.append(self._follow(self._book.add(life), drawing))
@@ -186,6 +187,7 @@ class _Walk:
         return is_cut
 
     def _end(self) -> None:
+        """Drop what is hidden at the end of the walk."""
         for follower in self._followers:
             _trim(follower.life, self._direction)
 
