@@ -15,7 +15,7 @@ from videovec.brush.drift import texture_of
 from videovec.brush.gauge import centre_support, full_scale
 from videovec.brush.grain import measure_grain, synthesise_grain
 from videovec.brush.known import lay_known
-from videovec.brush.lay import lay_again, lay_texture
+from videovec.brush.lay import grain_begins, lay_again, lay_texture
 from videovec.brush.lifts import find_lifts, part_strokes
 from videovec.brush.prepare import fit_profile, mean_width, shorten_segments
 from videovec.brush.refine import Laid, RefineSchedule, refine
@@ -88,7 +88,7 @@ def fit_brush(
     boils = settings.boil and ink.drawing_count > 1 and not settings.brush
     strips = unroll(apart(laid) if boils else laid, ink.coverage)
     if settings.brush:
-        return _with_known(laid, strips, ink.coverage, settings, progress, rng)
+        return _with_known(laid, strips, ink.coverage, settings, progress)
     evidence, texture, lean = weigh(strips, laid.brush.width, settings, rng)
     progress.note(describe(evidence))
     if evidence.model is BrushModel.TEXTURE and boils:
@@ -119,12 +119,11 @@ def _with_known(
     coverage: NDArray[np.uint8],
     settings: BrushSettings,
     progress: Progress,
-    rng: np.random.Generator,
 ) -> BrushFit:
     """Lay the brush of a file, and fit all but its texels."""
     brush = load_brush(Path(settings.brush))
     grain = grain_level(strips)
-    laid, explained = lay_known(laid, strips, brush, rng)
+    laid, explained = lay_known(laid, strips, brush)
     if brush.model is not BrushModel.GRAIN:
         phase_rate = 0.01 if brush.model is BrushModel.TEXTURE else 0.0
         schedule = RefineSchedule(settings.texture_steps, 0.08, 0.01, phase=phase_rate, strip=0.0)
@@ -187,13 +186,12 @@ def _with_lean(
 
 
 def _with_grain(laid: Laid, coverage: NDArray[np.uint8], rng: np.random.Generator) -> Laid:
-    """Grain of the same statistics, begun anywhere on every stroke."""
-    strips = [
-        strip if sign > 0 else strip.turned()
-        for strip, sign in zip(unroll(laid, coverage), laid.laying.sign, strict=True)
-    ]
-    statistics = measure_grain(strips, laid.brush.profile)
+    """Grain of the same statistics, begun on every stroke where it looks most like that stroke's own."""
+    strips, sign = unroll(laid, coverage), laid.laying.sign
+    turned = [strip if forth else strip.turned() for strip, forth in zip(strips, sign > 0, strict=True)]
+    statistics = measure_grain(turned, laid.brush.profile)
     strip = synthesise_grain(statistics, GRAIN_WIDTHS * TEXELS_PER_WIDTH, rng)
-    phase = np.repeat(rng.uniform(0, GRAIN_WIDTHS, len(laid.strokes)), laid.strokes.layout.segments + 1)
     brush = Brush(laid.brush.name, BrushModel.GRAIN, strip, laid.brush.width, GRAIN_WIDTHS)
+    begins = grain_begins(strips, sign, strip - brush.profile, GRAIN_WIDTHS)
+    phase = np.repeat(begins, laid.strokes.layout.segments + 1)
     return full_scale(brush, replace(laid, laying=replace(laid.laying, phase=phase)))

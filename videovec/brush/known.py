@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from videovec.brush.align import Folded
 from videovec.brush.drift import lie_along
 from videovec.brush.gauge import full_scale
-from videovec.brush.lay import phases_at
+from videovec.brush.lay import grain_begins, phases_at
 from videovec.brush.refine import Laid
 from videovec.brush.strips import TEXELS_ACROSS, TEXELS_PER_WIDTH, Strip, joint_arcs
 from videovec.brushwork import Brush, BrushModel, Laying
@@ -22,25 +22,27 @@ Floats = NDArray[np.float64]
 _SCALES = np.exp(np.arange(-60, 61) * 0.005)  # of the strokes' width against the brush's own
 
 
-def lay_known(laid: Laid, strips: list[Strip], brush: Brush, rng: np.random.Generator) -> tuple[Laid, float]:
+def lay_known(laid: Laid, strips: list[Strip], brush: Brush) -> tuple[Laid, float]:
     """Lay a known brush along strokes that a profile explains.
 
     Args:
         laid: The strokes.
         strips: The same unrolled.
         brush: The known brush.
-        rng: Where grain begins on each stroke.
 
     Returns:
         The strokes laid with the brush, at the pen width that fits them, and the share of grain that it explains.
     """
     width = laid.brush.width
     here = replace(brush, width=width)
-    if brush.model is not BrushModel.TEXTURE:
-        phase = rng.uniform(0, brush.repeat, len(strips)) * (brush.model is BrushModel.GRAIN)
-        laying = replace(Laying.plain(laid.strokes.layout, phase), density=laid.laying.density)
-        return full_scale(here, replace(laid, laying=laying)), 0.0
     texture = _of_rows(brush.strip - brush.profile, TEXELS_ACROSS)
+    if brush.model is not BrushModel.TEXTURE:
+        is_grain = brush.model is BrushModel.GRAIN
+        begins = (
+            grain_begins(strips, np.ones(len(strips)), texture, brush.repeat) if is_grain else np.zeros(len(strips))
+        )
+        laying = replace(Laying.plain(laid.strokes.layout, begins), density=laid.laying.density)
+        return full_scale(here, replace(laid, laying=laying)), 0.0
     scores = [sum(_drop(strip, texture, brush.repeat * scale) for strip in strips) for scale in _SCALES]
     scale = float(_SCALES[int(np.argmax(scores))])
     found = [lie_along(strip, texture, brush.repeat * scale) for strip in strips]

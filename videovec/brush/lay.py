@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.brush.align import Alignment
+from videovec.brush.align import Alignment, Folded
 from videovec.brush.drift import explained_at, lie_along
 from videovec.brush.gauge import full_scale
 from videovec.brush.refine import Laid
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip, joint_arcs, unroll
 from videovec.brushwork import Brush, BrushModel, stroke_joints
 
-__all__ = ["lay_again", "lay_texture", "offsets_at", "phases_at"]
+__all__ = ["grain_begins", "lay_again", "lay_texture", "offsets_at", "phases_at"]
 
 Floats = NDArray[np.float64]
 
@@ -48,6 +48,28 @@ def lay_again(laid: Laid, coverage: NDArray[np.uint8]) -> Laid:
         if other_share > share + _BETTER:
             sign[stroke], phase[part] = other_sign, phases_at(at, offset)
     return replace(laid, laying=replace(laid.laying, sign=sign, phase=phase))
+
+
+def grain_begins(strips: list[Strip], sign: Floats, texture: Floats, repeat: float) -> Floats:
+    """Where each stroke begins along grain that was synthesised, so that it looks most like its own.
+
+    Grain of chance is nowhere in a strip that only shares its statistics, but some places are liker than others. It is
+    one number for a stroke. Directions stay, and nothing drifts: with more freedom a strip is marks to copy from.
+
+    Args:
+        strips: S strips.
+        sign: Direction of each stroke.
+        texture: Grain, profile removed. [U, V]
+        repeat: Its length. Widths
+
+    Returns:
+        Phase at the beginning of each stroke. [S] widths
+    """
+    begins = []
+    for strip, forth in zip(strips, sign > 0, strict=True):
+        _, phase, _ = Folded.of(strip, repeat, len(texture)).best(texture, (0,) if forth else (1,))
+        begins.append(phase * repeat / len(texture) + (0.0 if forth else len(strip.grain) / TEXELS_PER_WIDTH))
+    return np.array(begins)
 
 
 def _texel_arcs(count: int) -> Floats:
