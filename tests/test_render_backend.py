@@ -5,11 +5,15 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, cast
 
+import numpy as np
 import pytest
 import torch
+from numpy.typing import NDArray
 
 from videovec.compiling import cache_folder, compiled
+from videovec.gauss_newton import _factorise
 from videovec.render import Backend, describe_backend, prepare_backend, resolve_backend
 from videovec.render import backend as backend_module
 from videovec.settings import RenderSettings
@@ -93,6 +97,23 @@ def test_code_that_changed_has_another_cache(monkeypatch: pytest.MonkeyPatch, tm
     source.write_text("a = 2")
     assert before is not None
     assert cache_folder(tmp_path) not in (None, before)
+
+
+@pytest.mark.usefixtures("fresh_cache")
+def test_machine_code_holds_no_copy_of_a_called_function_that_another_s_could_stand_in_for() -> None:
+    factorise = compiled()(cast(Any, _factorise).py_func)
+
+    @compiled()
+    def factorise_all(bands: NDArray[np.float64], count: int) -> None:
+        for n in range(count):
+            factorise(bands[n])
+        factorise(bands[-1])
+
+    factorise_all(np.ones((2, 12, 10)), 1)
+    (code,) = cast(Any, factorise_all).inspect_asm().values()
+    functions = [line for line in code.splitlines() if line.lstrip().startswith(".weak") and "factorise" in line]
+    assert "factorise_all" in code
+    assert not functions
 
 
 @pytest.mark.parametrize("threads", ["1", "3", "16"])

@@ -41,6 +41,7 @@ def compiled(*, fastmath: bool = False, inline: bool = False) -> Callable[[Calla
                 nogil=True,
                 error_model="numpy",
                 fastmath=fastmath,
+                forceinline=True,
                 inline="always" if inline else "never",
             )(function)
 
