@@ -132,7 +132,7 @@ class Nursery:
         """Trace patches and follow them back to their first drawing."""
         own = self._ink_of(drawing, [patch.number for patch in patches])
         traced = [life for life in open_lives(self._trace(own, 0)) if self._is_new(life, drawing)]
-        lives = [replace(life, rows={drawing: life.rows[0]}) for life in traced]
+        lives = [replace(life, rows={drawing: life.rows[0]}, home=drawing) for life in traced]
         lives = relink(lives, drawing, followers)
         back = [follow(life, drawing, self._spacing(drawing)) for life in lives]
         for earlier in range(drawing - self._direction, since - self._direction, -self._direction):

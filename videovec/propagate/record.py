@@ -69,6 +69,7 @@ class Life:
         rows: What it was, by drawing.
         parent: Identity of the stroke whose part beyond a gap it is, else 0.
         covers: Whether it has hidden another stroke.
+        home: The drawing on which it was given or traced.
     """
 
     id: int
@@ -78,6 +79,7 @@ class Life:
     rows: dict[int, Row] = field(default_factory=dict)
     parent: int = 0
     covers: bool = False
+    home: int = 0
 
     @property
     def first(self) -> int:
@@ -130,6 +132,7 @@ def open_lives(strokes: Strokes) -> list[Life]:
     lives = []
     for s in range(len(strokes)):
         life = Life(int(strokes.ids[s]), bool(strokes.is_closed[s]), int(strokes.layer[s]), strokes.color[s])
+        life.home = int(strokes.layout.first[s])
         for drawing in range(int(strokes.layout.first[s]), int(strokes.layout.last[s]) + 1):
             row = strokes.row(s, drawing)
             visible = (float(strokes.visible[row, 0]), float(strokes.visible[row, 1]))

@@ -11,6 +11,7 @@ from videovec.errors import FitError
 from videovec.events import Event
 from videovec.ink import Ink, amount_of_ink, first_full
 from videovec.progress import Progress, Silent
+from videovec.propagate.anchor import anchor
 from videovec.propagate.births import Nursery, Trace
 from videovec.propagate.grown import join_grown
 from videovec.propagate.happenings import events_of
@@ -85,6 +86,7 @@ def walk(
             to_do += [(seed, range(seed - left.step, left.start - left.step, -left.step))]
     book.lives = join_returning(join_grown(book.lives, ink), book.blanks, settings.memory)
     reveal(book.lives, ink)
+    anchor(book.lives)
     for life in book.lives:
         move_seam(life)
     bound, confidence = bind(split_at_gaps(sorted(book.lives, key=lambda life: life.id), book.next_id))
