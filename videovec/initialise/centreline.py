@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,7 +15,7 @@ from videovec.initialise.junctions import Pairing
 from videovec.initialise.polyline import angle_between, arc, at_arc, corners, direction, resample, sharpen, smooth
 from videovec.initialise.prune import Widths
 
-__all__ = ["CentreLine", "Chain", "centre_line", "chains"]
+__all__ = ["CentreLine", "Chain", "centre_line", "chains", "closed_line", "strung"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -64,21 +65,22 @@ def _opposite(end: End) -> End:
     return end[0], 1 - end[1]
 
 
-def chains(graph: Graph, pairings: list[Pairing]) -> list[Chain]:
+def chains(graph: Graph, pairings: list[Pairing], rings: Sequence[Chain] = ()) -> list[Chain]:
     """String branches together as the junctions decided.
 
     Args:
         graph: The graph.
         pairings: A decision for every node where branches meet.
+        rings: Chains that are known; none of their branches is in ``pairings``.
 
     Returns:
-        Every branch once, in chains; open chains first.
+        Every other branch once, in chains, open chains first; then the rings.
     """
     link: dict[End, End] = {}
     for pairing in pairings:
         for i, j in pairing.links:
             link[pairing.ends[i]], link[pairing.ends[j]] = pairing.ends[j], pairing.ends[i]
-    used: set[int] = set()
+    used = {number for ring in rings for number, _ in ring.ends}
     result = []
     starts = [(n, e) for n in sorted(graph.branches) for e in (0, 1) if (n, e) not in link]
     for is_closed, candidates in ((False, starts), (True, [(n, 0) for n in sorted(graph.branches)])):
@@ -92,7 +94,7 @@ def chains(graph: Graph, pairings: list[Pairing]) -> list[Chain]:
                 ends.append(here)
                 here = link.get(_opposite(here))
             result.append(Chain(tuple(ends), is_closed))
-    return result
+    return [*result, *rings]
 
 
 def _trimmed(line: Floats, before: float, after: float) -> Floats:
@@ -105,7 +107,7 @@ def _trimmed(line: Floats, before: float, after: float) -> Floats:
     return np.concatenate([ends[:1], inner, ends[1:]])
 
 
-def _strung(graph: Graph, chain: Chain, widths: Widths) -> tuple[Floats, float]:
+def strung(graph: Graph, chain: Chain, widths: Widths) -> tuple[Floats, float]:
     """Samples of a chain, and its width."""
     parts: list[Floats] = []
     branches = [graph.outward(*end) for end in chain.ends]
@@ -198,7 +200,7 @@ def centre_line(graph: Graph, chain: Chain, widths: Widths, coverage: NDArray[np
     Returns:
         Its samples and corners.
     """
-    line, width = _strung(graph, chain, widths)
+    line, width = strung(graph, chain, widths)
     if chain.is_closed:
         return closed_line(line, width)
     first, last = graph.outward(*chain.ends[0]).start, graph.outward(*chain.ends[-1]).stop

@@ -145,26 +145,32 @@ def _by_turn(cost: Floats, max_turn: float) -> tuple[Pairs, Pairs, float]:
     return best, second, max(0.0, float(worst[1] - worst[0]))
 
 
-def pair_branches(graph: Graph, widths: Widths, max_turn: float) -> list[Pairing]:
+def pair_branches(graph: Graph, widths: Widths, max_turn: float, taken: frozenset[int] = frozenset()) -> list[Pairing]:
     """Decide at every junction which branches run on into which, by how much they would turn.
 
     Args:
         graph: A clean skeleton graph.
         widths: How wide lines are.
         max_turn: Largest turn within a stroke. degrees
+        taken: Branches of which it is known already.
 
     Returns:
-        One decision for each node with two or more branch ends.
+        One decision for each node with two or more branch ends that are not taken.
     """
     pairings = []
     for node in graph.nodes():
-        ends = tuple(graph.ends_at(node))
+        ends = _free_ends(graph, node, taken)
         if len(ends) < 2:
             continue
         lines = [graph.outward(*end).line for end in ends]
         best, second, margin = _by_turn(turns(lines, widths.at(graph, node)), max_turn)
         pairings.append(Pairing(node, ends, best, second, margin / _DEGREES_PER_LOGIT))
     return pairings
+
+
+def _free_ends(graph: Graph, node: int, taken: frozenset[int]) -> tuple[End, ...]:
+    """The branch ends at a node, without those of branches that are taken."""
+    return tuple(end for end in graph.ends_at(node) if end[0] not in taken)
 
 
 def choose(score: Floats) -> tuple[Pairs, Pairs, float]:
@@ -182,15 +188,16 @@ def choose(score: Floats) -> tuple[Pairs, Pairs, float]:
     return every[first], every[second], -float(np.logaddexp.reduce(rivals))
 
 
-def pair_by_net(graph: Graph, widths: Widths) -> list[Pairing]:
+def pair_by_net(graph: Graph, widths: Widths, taken: frozenset[int] = frozenset()) -> list[Pairing]:
     """Decide at every junction which branches run on into which, as networks learned it from drawings.
 
     Args:
         graph: A clean skeleton graph.
         widths: How wide lines are.
+        taken: Branches of which it is known already.
 
     Returns:
-        One decision for each node with two or more branch ends.
+        One decision for each node with two or more branch ends that are not taken.
     """
     if not graph.branches:
         return []
@@ -200,7 +207,7 @@ def pair_by_net(graph: Graph, widths: Widths) -> list[Pairing]:
     of_pair = dict(zip(map(tuple, drawn.pairs.tolist()), scores.tolist(), strict=True))
     pairings = []
     for node in graph.nodes():
-        ends = tuple(graph.ends_at(node))
+        ends = _free_ends(graph, node, taken)
         if len(ends) < 2:
             continue
         score = np.zeros((len(ends), len(ends)))

@@ -16,6 +16,7 @@ from videovec.initialise.graph import Graph, polyline_length, skeleton_graph
 from videovec.initialise.junctions import Pairing, pair_branches, pair_by_net
 from videovec.initialise.lines import line_mask
 from videovec.initialise.prune import Widths, clean
+from videovec.initialise.rings import find_rings
 from videovec.initialise.thinning import thin
 from videovec.initialise.widths import measure_widths
 from videovec.ink import Ink, ink_alone
@@ -145,11 +146,15 @@ def _trace_coverage(coverage: Coverage, others: Coverage, noise: float, settings
     if cleaned is None:
         return _Lines([], [], [], [])
     graph, widths = cleaned
-    is_learned = settings.junctions == "learned"
-    pairings = pair_by_net(graph, widths) if is_learned else pair_branches(graph, widths, settings.max_turn)
+    rings = find_rings(graph, widths)
+    taken = frozenset(number for ring in rings for number, _ in ring.ends)
+    if settings.junctions == "learned":
+        pairings = pair_by_net(graph, widths, taken)
+    else:
+        pairings = pair_branches(graph, widths, settings.max_turn, taken)
     is_alone = not others.any()
     bridges = [] if is_alone else bridge_gaps(graph, widths, coverage + others)
-    found = [centre_line(graph, chain, widths, coverage) for chain in chains(graph, pairings + bridges)]
+    found = [centre_line(graph, chain, widths, coverage) for chain in chains(graph, pairings + bridges, rings)]
     for loop, thickness in zip(graph.loops, graph.loop_radius, strict=True):
         found.append(closed_line(loop, max(_LEAST_WIDTH, 2.0 * widths.calibration * float(np.median(thickness)))))
     if found and not is_alone:
