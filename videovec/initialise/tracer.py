@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from videovec.initialise.abreast import part_abreast
 from videovec.initialise.centreline import centre_line, chains, closed_line
 from videovec.initialise.crossings import bridge_gaps, is_sliver, lies_amid
 from videovec.initialise.cubics import fit_spline
@@ -137,6 +138,7 @@ def cleaned_graph(coverage: Coverage, noise: float) -> tuple[Graph, Widths] | No
     graph = skeleton_graph(thin(lines.mask), radius, lines.scale)
     widths = _calibrated(graph, coverage)
     clean(graph, widths)
+    part_abreast(graph, widths)
     return graph, widths
 
 
