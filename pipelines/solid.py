@@ -12,7 +12,7 @@ from videovec.opacity import measure_opacity
 from videovec.progress import Progress
 from videovec.propagate import propagate
 from videovec.settings import Config
-from videovec.start import first_strokes, start_drawing, start_settings
+from videovec.start import first_strokes, start_drawing, start_settings, walk_settings
 from videovec.tracks import StrokeTracks
 from videovec.vote import vote
 
@@ -30,7 +30,7 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     strokes = first.finished().strokes
     if config.initialise.reference:  # what an artist left out gets strokes of its own, as new ink does later on
         strokes = complete(strokes, ink.at_drawing(seed), config.fit.edits)
-    carried = propagate(ink, strokes.shifted(seed), config.propagate, trace, progress)
+    carried = propagate(ink, strokes.shifted(seed), walk_settings(config), trace, progress)
     if not config.initialise.reference:  # an artist's strokes stay as they were drawn
         carried = vote(ink, carried, seed, trace, progress)
     result = fit(ink, measure_opacity(carried.strokes, ink), config.fit, config.render, progress)

@@ -10,7 +10,7 @@ from videovec.ink import extract_ink
 from videovec.progress import Progress
 from videovec.propagate import propagate
 from videovec.settings import Config
-from videovec.start import first_strokes, start_drawing, start_settings
+from videovec.start import first_strokes, start_drawing, start_settings, walk_settings
 from videovec.tracks import StrokeTracks
 from videovec.vote import vote
 
@@ -28,7 +28,7 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     strokes = first.finished().strokes
     if not config.initialise.reference:
         strokes = bridge(strokes, ink.at_drawing(seed), config.fit.edits)
-    carried = propagate(solid, strokes.shifted(seed), config.propagate, trace, progress)
+    carried = propagate(solid, strokes.shifted(seed), walk_settings(config), trace, progress)
     if not config.initialise.reference:
         carried = vote(solid, carried, seed, trace, progress)
     strokes = carried.strokes

@@ -125,3 +125,18 @@ def test_a_ring_that_is_hidden_away_from_its_seam_is_one_stroke() -> None:
         seen = along(strokes, 0, drawing)
         assert off(seen, circle) < 0.6
         assert off(circle[np.linalg.norm(circle - spot, axis=1) > 14.0 + 1.0], seen) < HALF + 2.0
+
+
+def test_a_ring_that_must_begin_where_it_began_shows_its_other_part_as_a_stroke_of_its_own() -> None:
+    circle = ring(np.linspace(0, 1, 400))
+    spots = [ring(np.array(0.3 + 0.02 * t)) for t in range(3)]
+    holes = [None, *((float(x), float(y), 14.0) for x, y in spots), None]
+    ink = ink_of([draw([circle], hole) for hole in holes])
+    trace = partial(initialise, settings=InitialiseSettings())
+    drawn = trace(ink, 0)
+    strokes = propagate(ink, drawn, PropagateSettings(refine_steps=18, move_seams=False), trace).strokes
+    np.testing.assert_array_equal(strokes.points_of(strokes.row(0, 0)), drawn.points)
+    assert strokes.parent.tolist() == [0, strokes.ids[0]]
+    for drawing, spot in enumerate(spots, start=1):
+        seen = np.concatenate([along(strokes, stroke, drawing) for stroke in (0, 1)])
+        assert off(circle[np.linalg.norm(circle - spot, axis=1) > 14.0 + 1.0], seen) < HALF + 2.0

@@ -88,6 +88,8 @@ class PropagateSettings:
     """How much strokes keep their shape meanwhile, against the sum of squared coverage errors."""
     patience: Annotated[int, Between(1)] = 24
     """For how many drawings new ink may grow before it becomes a stroke."""
+    move_seams: bool = True
+    """Closed strokes of which a part is hidden begin anew where they are hidden; an artist's never do."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from videovec.render import resolve_backend
 from videovec.settings import Config, FitSettings, InitialiseSettings, PropagateSettings
 from videovec.strokes import Strokes
 
-__all__ = ["first_strokes", "scatter", "start_drawing", "start_settings"]
+__all__ = ["first_strokes", "scatter", "start_drawing", "start_settings", "walk_settings"]
 
 Floats = NDArray[np.float64]
 
@@ -87,6 +87,11 @@ def start_settings(config: Config) -> FitSettings:
             opacity_rate=max(config.fit.opacity_rate, _RANDOM_OPACITY_RATE),
         )
     return config.fit
+
+
+def walk_settings(config: Config) -> PropagateSettings:
+    """How the first strokes are carried: an artist's begin where they were drawn to begin."""
+    return replace(config.propagate, move_seams=config.propagate.move_seams and not config.initialise.reference)
 
 
 def scatter(ink: Ink, count: int, rng: np.random.Generator) -> Strokes:

@@ -87,7 +87,7 @@ def walk(
     book.lives = join_returning(join_grown(book.lives, ink), book.blanks, settings.memory)
     reveal(book.lives, ink)
     anchor(book.lives)
-    for life in book.lives:
+    for life in book.lives if settings.move_seams else ():
         move_seam(life)
     bound, confidence = bind(split_at_gaps(sorted(book.lives, key=lambda life: life.id), book.next_id))
     bound = unhide(bound, ink)
