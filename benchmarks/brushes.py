@@ -25,7 +25,7 @@ from make_textured import BRUSHES, Drawn, draw, read_truth
 from numpy.typing import NDArray
 from PIL import Image
 
-from videovec.brush import BrushFit, apply_brush, bridge, complete, fit_brush, solidify
+from videovec.brush import BrushFit, apply_brush, bridge, drop_scraps, fit_brush, mend, solidify
 from videovec.clip import Clip, Timeline
 from videovec.config import configure
 from videovec.fit import fit as fit_solid
@@ -88,9 +88,9 @@ def traced_start(picture: NDArray[np.uint8]) -> tuple[Ink, Strokes]:
     config = configure("textured", ())
     ink = extract_ink(Clip("still", (np.repeat(picture[..., None], 3, axis=2),), timeline), config.ink)
     solid = solidify(ink)
-    traced = complete(initialise(solid, 0, config.initialise), solid, config.fit.edits)
+    traced = mend(initialise(solid, 0, config.initialise), solid, config.fit.edits)
     strokes = fit_solid(solid, traced, config.fit).strokes
-    return ink, bridge(strokes, ink, config.fit.edits)
+    return ink, bridge(drop_scraps(strokes), ink, config.fit.edits)
 
 
 def painted(fit: BrushFit, size: tuple[int, int], ink: Ink) -> Floats:

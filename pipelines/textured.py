@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from videovec.brush import bridge, complete, fit_brushes, solidify
+from videovec.brush import bridge, drop_scraps, fit_brushes, mend, solidify
 from videovec.clip import Clip
 from videovec.fit import fit
 from videovec.initialise import initialise
@@ -23,11 +23,11 @@ def run(clip: Clip, config: Config, progress: Progress) -> StrokeTracks:
     seed = start_drawing(clip, ink, config.initialise)
     begun = first_strokes(solid, seed, config)
     if not config.initialise.reference:  # an artist's strokes stay as they were drawn
-        begun = complete(begun, solid.at_drawing(seed), config.fit.edits)
+        begun = mend(begun, solid.at_drawing(seed), config.fit.edits)
     first = fit(solid.at_drawing(seed), begun, start_settings(config), config.render, progress)
     strokes = first.finished().strokes
     if not config.initialise.reference:
-        strokes = bridge(strokes, ink.at_drawing(seed), config.fit.edits)
+        strokes = bridge(drop_scraps(strokes), ink.at_drawing(seed), config.fit.edits)
     carried = propagate(solid, strokes.shifted(seed), walk_settings(config), trace, progress)
     if not config.initialise.reference:
         carried = vote(solid, carried, seed, trace, progress)

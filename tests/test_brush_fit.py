@@ -18,10 +18,10 @@ from videovec.brush import (
     Laying,
     apply_brush,
     bridge,
-    complete,
     export_brush,
     fit_brush,
     looks_textured,
+    mend,
     solidify,
 )
 from videovec.brush.align import align
@@ -294,8 +294,9 @@ def test_a_line_that_leaves_a_fat_one_is_traced_and_scraps_on_its_edge_are_not()
     page = 1 - apply_brush(flat, both, (SIZE, SIZE), Laying.plain(both.layout))[..., 0]
     scrap = Strokes.from_curves([np.array([[60.0, 64], [60, 66], [60, 67], [60, 68]])], [np.full(2, 2.0)])
     traced = Strokes.concatenate([fat, replace(scrap, ids=np.array([2]))])
-    found = complete(traced, ink_of(page[None]), EditSettings())
-    assert found.ids.tolist() == [1, 3]
+    found = mend(traced, ink_of(page[None]), EditSettings())
+    assert len(found) == 2
+    assert found.points_of(0) == pytest.approx(fat.points_of(0))
     assert arc_length(found.points_of(1)) > 0.5 * arc_length(thin.points_of(0))  # the fat line has its beginning
     true = sample_by_arc(thin.points_of(0), 400)
     at = sample_by_arc(found.points_of(1), 40)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.bench.fitted import fit_with_diffvg, fit_with_splats
-from videovec.brush import bridge, brush_coverage, complete, fit_brushes, solidify
+from videovec.brush import bridge, brush_coverage, drop_scraps, fit_brushes, mend, solidify
 from videovec.curves import evaluate, segments_of
 from videovec.fit import fit
 from videovec.initialise import initialise
@@ -107,9 +107,9 @@ def _ours(ink: Ink, config: Config) -> Tracing:
 
 def _with_brush(ink: Ink, config: Config) -> Tracing:
     solid = solidify(ink)
-    traced = complete(initialise(solid, 0, config.initialise), solid, config.fit.edits)
+    traced = mend(initialise(solid, 0, config.initialise), solid, config.fit.edits)
     strokes = fit(solid, traced, config.fit, config.render).strokes
-    strokes = bridge(strokes, ink, config.fit.edits)
+    strokes = bridge(drop_scraps(strokes), ink, config.fit.edits)
     found = fit_brushes(ink, strokes, config.brush, seed=config.seed)
     drawn = brush_coverage(found.brushwork, found.result.strokes, ink.coverage.shape)
     return Tracing(found.result.strokes, drawn[0] / 255.0)

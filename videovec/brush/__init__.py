@@ -3,11 +3,12 @@
 from videovec.brush.apply import apply_brush, brush_coverage, draw_brushwork, solid_strokes, stroke_marks
 from videovec.brush.bridge import bridge
 from videovec.brush.choose import Evidence
-from videovec.brush.complete import complete
 from videovec.brush.detect import TextureEvidence, looks_textured, propose_textured
 from videovec.brush.export_brush import brush_files, export_brush
 from videovec.brush.fit_brush import BrushFit, fit_brush
 from videovec.brush.fit_brushes import TexturedFit, fit_brushes
+from videovec.brush.mend import mend
+from videovec.brush.scraps import drop_scraps
 from videovec.brush.solidify import solidify
 from videovec.brush.storage import load_brush
 from videovec.brushwork import Brush, BrushModel, Brushwork, Laying
@@ -25,13 +26,14 @@ __all__ = [
     "bridge",
     "brush_coverage",
     "brush_files",
-    "complete",
     "draw_brushwork",
+    "drop_scraps",
     "export_brush",
     "fit_brush",
     "fit_brushes",
     "load_brush",
     "looks_textured",
+    "mend",
     "propose_textured",
     "solid_strokes",
     "solidify",
