@@ -22,7 +22,7 @@ def kept(*thin: tuple[Floats, float]) -> list[int]:
     """Which strokes stay beside a fat one, 0; the others have these half-widths."""
     curves, halves = [FAT, *(curve for curve, _ in thin)], [5.0, *(half for _, half in thin)]
     strokes = Strokes.from_curves(curves, [np.full(2, half) for half in halves])
-    return (drop_scraps(strokes).ids - strokes.ids[0]).tolist()
+    return [int(one) for one in drop_scraps(strokes).ids - strokes.ids[0]]
 
 
 @pytest.mark.parametrize("distance", [-6.0, 0.0, 3.0, 6.0])
