@@ -30,7 +30,7 @@ from propagation import (
 
 from samples.scene import Drawing, Fill, Line, Movie, ellipse, place, polygon, rounded, spline
 from videovec.clip_metrics import score_clip
-from videovec.curves import sample_by_arc
+from videovec.curves import arc_length, sample_by_arc
 from videovec.fit import fit
 from videovec.settings import FitSettings
 from videovec.strokes import Strokes
@@ -244,7 +244,8 @@ def came_back(known: Known, strokes: Strokes) -> float:
 
 def _is_there(true: Floats, strokes: Strokes, row: int) -> bool:
     """Whether most of a row is seen, and most of a true stroke lies on it."""
-    gap = np.linalg.norm(sample_by_arc(true, 33)[:, None] - sample_by_arc(strokes.points_of(row), 65), axis=2).min(1)
+    found = sample_by_arc(strokes.points_of(row), max(65, round(2 * arc_length(true))))
+    gap = np.linalg.norm(sample_by_arc(true, 33)[:, None] - found, axis=2).min(1)
     return bool(np.mean(gap <= NEAR) > HALF and np.ptp(strokes.visible[row]) > HALF)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -140,3 +141,20 @@ def test_a_ring_that_must_begin_where_it_began_shows_its_other_part_as_a_stroke_
     for drawing, spot in enumerate(spots, start=1):
         seen = np.concatenate([along(strokes, stroke, drawing) for stroke in (0, 1)])
         assert off(circle[np.linalg.norm(circle - spot, axis=1) > 14.0 + 1.0], seen) < HALF + 2.0
+
+
+def test_a_gap_over_the_seam_of_a_ring_is_seen() -> None:
+    circle = ring(np.linspace(0, 1, 400))
+    k = 36 * 0.5522847
+    quarter = np.array([(100, 64), (100, 64 + k), (64 + k, 100), (64, 100)], float) - 64
+    turned = [quarter @ np.array([[c, s], [-s, c]], float) + 64 for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))]
+    points = np.concatenate([turned[0][:1], *(part[1:] for part in turned)])
+    known = replace(Strokes.from_curves([points], [np.full(5, HALF)]), is_closed=np.array([True]))
+    ink = ink_of([draw([circle], hole) for hole in (None, *[(100.0, 64.0 + 2 * t, 12.0) for t in range(3)])])
+    trace = partial(initialise, settings=InitialiseSettings())
+    strokes = propagate(ink, known, PropagateSettings(refine_steps=18), trace).strokes
+    for drawing in range(1, 4):
+        seen = along(strokes, 0, drawing)
+        spot = np.array([100.0, 64.0 + 2 * (drawing - 1)])
+        assert np.linalg.norm(seen - spot, axis=1).min() > 12.0 - 2.0
+        assert off(circle[np.linalg.norm(circle - spot, axis=1) > 12.0 + 1.0], seen) < HALF + 2.0

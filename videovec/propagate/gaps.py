@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Piece", "find_pieces", "runs"]
+__all__ = ["Piece", "beside_seam", "find_pieces", "runs"]
 
 Bools = NDArray[np.bool_]
 
@@ -47,6 +47,21 @@ def find_pieces(main: Piece, inked: Bools, bare: Bools, chosen: Bools, width: fl
     seen[0] = min(seen[0][0], main[0]), seen[0][1]
     seen[-1] = seen[-1][0], max(seen[-1][1], main[1])
     return seen
+
+
+def beside_seam(inked: Bools, bare: Bools) -> Piece:
+    """All nodes of a closed stroke, or those between the ends of a gap over its seam.
+
+    Args:
+        inked: Which nodes lie on ink. bool [n]
+        bare: Which lie on bare paper. bool [n]
+    """
+    on_ink = np.flatnonzero(inked)
+    if not len(on_ink):
+        return 0, len(inked) - 1
+    first, last = int(on_ink[0]), int(on_ink[-1])
+    is_gap = bare[:first].sum() + bare[last + 1 :].sum() >= _BARE
+    return (first, last) if is_gap else (0, len(inked) - 1)
 
 
 def _is_seen(run: Piece, main: Piece, chosen: Bools) -> bool:

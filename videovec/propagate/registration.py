@@ -38,8 +38,6 @@ _HOPS = ((1, 1.0), (2, 0.5), (4, 0.25))
 """Steps along a stroke that an edge spans, and its share of stiffness."""
 _ALONG = 0.15
 """Pull along a line as a share of the pull towards it."""
-_UNDER = 2
-"""Nodes before a hidden part that are under what hides it, or nearly so."""
 _REVERSE = 0.5
 """Weight of a pull from ink to strokes, against 1 from strokes to ink."""
 _CROSS_REACH = 12.0
@@ -242,7 +240,6 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
     if len(source.nodes) == 0 or len(target) == 0:
         return positions
     held = _held(source)
-    slide = _slide(source)
     to_ink = np.zeros(len(positions), np.int64)
     to_node = np.zeros((len(target) + 1) // 2, np.int64)
     for phase in phases:
@@ -258,7 +255,7 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
             led = source.weight * target.on_page(positions)
             weight = led * _robust(squared, tau)
             own = np.arange(len(positions))
-            assemble(pull, rhs, own, target.points[to_ink], target.direction[to_ink], weight, slide)
+            assemble(pull, rhs, own, target.points[to_ink], target.direction[to_ink], weight, np.full(len(own), _ALONG))
             weight = _REVERSE * led[to_node] * _robust(squared_back, tau)
             share = np.where(source.nodes.is_end[to_node], 1.0, _ALONG)
             assemble(pull, rhs, to_node, target.points[::2], target.direction[::2], weight, share)
@@ -267,17 +264,6 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
             for _ in range(_SOLVES):
                 positions = relax(positions, source.rest, edges, (pull, rhs), phase.scale, _ITERATIONS)
     return positions
-
-
-def _slide(source: Source) -> Floats:
-    """Pull along a line on each node, as a share of the pull towards it. [N]
-
-    None where a stroke goes under another: ink of its own direction lies only behind it there.
-    """
-    hidden = source.weight == 0
-    for _ in range(_UNDER):
-        hidden = hidden | hidden[source.nodes.before] | hidden[source.nodes.after]
-    return np.where(hidden, 0.0, _ALONG)
 
 
 def _held(source: Source) -> tuple[Floats, Floats]:
