@@ -170,6 +170,7 @@ def test_one_brush_draws_a_clip_and_does_not_swim() -> None:
     found = fit_brush(ink_of(pages), clip, QUICK)
     assert found.brush.model is BrushModel.TEXTURE
     assert found.evidence.agreement > 0.5
+    assert np.abs(found.laying.shift).max() < 3 * 0.6 / 8  # widths: three deviations of first points that are shaken
     for k in range(3):
         one = found.strokes.at_drawing(k, 0)
         drawn = (
@@ -192,7 +193,7 @@ def test_lines_that_boil_are_drawn_by_one_brush_that_begins_anywhere_on_each_dra
             for k, laying in enumerate(layings)
         ]
         scores.append(signal_to_noise(pages, np.stack(drawn)))
-        assert (np.ptp(found.laying.shift) > 3) == boil  # widths; lines that do not boil settle within one or two
+        assert (np.ptp(found.laying.shift) > 3) == boil  # widths; lines that do boil, fitted as if they did not, settle within one or two
     assert scores[0] > scores[1] + 4
 
 
