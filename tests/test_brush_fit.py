@@ -193,7 +193,7 @@ def test_lines_that_boil_are_drawn_by_one_brush_that_begins_anywhere_on_each_dra
             for k, laying in enumerate(layings)
         ]
         scores.append(signal_to_noise(pages, np.stack(drawn)))
-        assert (np.ptp(found.laying.shift) > 3) == boil  # widths; lines that do boil, fitted as if they did not, settle within one or two
+        assert (np.ptp(found.laying.shift) > 3) == boil  # widths; fitted as if they did not, they settle by one or two
     assert scores[0] > scores[1] + 4
 
 
