@@ -83,3 +83,9 @@ def test_only_first_drawings_are_anchored() -> None:
     assert anchor(moved, points, neighbours).item() == 0.0
     moved[4, 0] += 2.0
     assert anchor(moved, points, neighbours).item() == pytest.approx(4.0)
+
+
+def test_a_shape_that_moves_far_may_change_more_than_one_that_stays() -> None:
+    bent = SHAPE + np.array([0.0, 1.0]) * (np.arange(7) == 3)[:, None]
+    near, far = (rigidity(*life([SHAPE, bent + np.array([step, 0.0])])).item() for step in (1.0, 40.0))
+    assert 0.0 < far < 0.1 * near

@@ -19,6 +19,7 @@ __all__ = ["Neighbours", "acceleration", "anchor", "rigidity", "width_change"]
 
 _HOPS = (1, 2, 4, 8)  # control points between the ends and the middle of a triple
 _SMALL = 0.5  # px; differences in time that are larger are motion
+_FAR = 12.0  # px; what moves farther from one drawing to the next also changes its shape
 _SHORT = 1.0  # px²; a triple whose ends are nearer than this says nothing about shape
 
 
@@ -132,7 +133,8 @@ def rigidity(points: Tensor, neighbours: Neighbours) -> Tensor:
         neighbours: Who follows whom.
 
     Returns:
-        Sum over triples of the robust square of the distance, weighted by one over their reach. px². Scalar.
+        Sum over triples of the robust square of the distance, weighted by one over their reach; less of those that
+        move far. px². Scalar.
 
     Source:
         After Sorkine and Alexa 2007, "As-rigid-as-possible surface modeling", with similarities for rotations.
@@ -140,7 +142,7 @@ def rigidity(points: Tensor, neighbours: Neighbours) -> Tensor:
     if not len(neighbours.triples):
         return points.new_zeros(())
     now, later = points[neighbours.triples], points[neighbours.next_triples]
-    weight = _tells_shape(now) * _tells_shape(later) / neighbours.hops
+    weight = _tells_shape(now) * _tells_shape(later) * _is_near(now, later) / neighbours.hops
     ahead = later[:, 1] - _transferred(now, later)
     back = now[:, 1] - _transferred(later, now)
     return 0.5 * (weight * (_robust(ahead) + _robust(back))).sum()
@@ -154,6 +156,12 @@ def _robust(differences: Tensor) -> Tensor:
 def _tells_shape(triples: Tensor) -> Tensor:
     """1 for triples whose ends are far enough apart to give a direction, else 0. [E]"""
     return ((triples[:, 2] - triples[:, 0]).square().sum(1) > _SHORT).to(triples.dtype)
+
+
+def _is_near(now: Tensor, later: Tensor) -> Tensor:
+    """1 for triples that hardly move, falling to 0 for those that move far. [E]"""
+    moved = (later[:, 1] - now[:, 1]).square().sum(1)
+    return 1.0 / (1.0 + (moved / _FAR**2).square())
 
 
 def _transferred(source: Tensor, target: Tensor) -> Tensor:
