@@ -74,15 +74,10 @@ def find_rings(graph: Graph, widths: Widths) -> list[Chain]:
     ways = {}
     for number in graph.branches:
         ways[number, 0], ways[number, 1] = _ways(graph, widths, number)
-    found: list[tuple[float, float, Chain]] = []
-    for ends in _walks(graph, ways):
-        chain = Chain(ends, True)
-        line, width = strung(graph, chain, widths)
-        convexity = _convexity(line, width)
-        if convexity >= _CONVEX:
-            found.append((convexity, width, chain))
-    found.sort(key=lambda ring: -ring[0])
-    return _without_own(graph, [chain for _, _, chain in found])
+    walks = [Chain(ends, True) for ends in _walks(graph, ways)]
+    rated = [(_convexity(*strung(graph, walk, widths)), walk) for walk in walks]
+    rated = sorted((ring for ring in rated if ring[0] >= _CONVEX), key=lambda ring: -ring[0])
+    return _with_own(graph, [ring for _, ring in rated])
 
 
 def _ways(graph: Graph, widths: Widths, number: int) -> tuple[_Way, _Way]:
@@ -113,7 +108,7 @@ def _setting_out(places: Complexes) -> complex:
 
 
 def _walks(graph: Graph, ways: dict[End, _Way]) -> list[tuple[End, ...]]:
-    """Closed walks that turn one way only and pass no branch and no node twice, each once."""
+    """Closed walks that turn once round, never far back, and pass no branch and no node twice, each once."""
     following: dict[End, list[tuple[End, float]]] = {}
     for entry, way in ways.items():
         following[entry] = []
@@ -153,7 +148,7 @@ def _convexity(ring: Floats, width: float) -> float:
     return float(cv2.contourArea(points) / max(cv2.contourArea(hull), 1e-9))
 
 
-def _without_own(graph: Graph, rings: list[Chain]) -> list[Chain]:
+def _with_own(graph: Graph, rings: list[Chain]) -> list[Chain]:
     """The rings, best first, of which enough is in no other."""
     kept: list[Chain] = []
     for ring in rings:
