@@ -152,14 +152,13 @@ def pair_branches(graph: Graph, widths: Widths, max_turn: float, taken: frozense
         graph: A clean skeleton graph.
         widths: How wide lines are.
         max_turn: Largest turn within a stroke. degrees
-        taken: Branches of which it is known already.
 
     Returns:
-        One decision for each node with two or more branch ends that are not taken.
+        One decision for each node with two or more branch ends.
     """
     pairings = []
     for node in graph.nodes():
-        ends = _free_ends(graph, node, taken)
+        ends = tuple(graph.ends_at(node))
         if len(ends) < 2:
             continue
         lines = [graph.outward(*end).line for end in ends]

@@ -62,14 +62,14 @@ class _Way:
 
 
 def find_rings(graph: Graph, widths: Widths) -> list[Chain]:
-    """Find the closed lines of a drawing that pass junctions.
+    """Find the closed lines of a drawing that share stretches with each other; junctions know of all others.
 
     Args:
         graph: A clean skeleton graph.
         widths: How wide lines are.
 
     Returns:
-        Closed chains; a branch may be in several.
+        Closed chains; each has branches that are in others, too.
     """
     ways = {}
     for number in graph.branches:
@@ -149,13 +149,13 @@ def _convexity(ring: Floats, width: float) -> float:
 
 
 def _with_own(graph: Graph, rings: list[Chain]) -> list[Chain]:
-    """The rings, best first, of which enough is in no other."""
+    """The rings that share branches with others, best first, and of which enough is in no other."""
     kept: list[Chain] = []
     for ring in rings:
         trial = [*kept, ring]
         if all(_own_share(graph, one, trial) >= _OWN for one in trial):
             kept.append(ring)
-    return kept
+    return [ring for ring in kept if _own_share(graph, ring, kept) < 1.0]
 
 
 def _own_share(graph: Graph, ring: Chain, rings: list[Chain]) -> float:

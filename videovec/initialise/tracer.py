@@ -148,12 +148,11 @@ def _trace_coverage(coverage: Coverage, others: Coverage, noise: float, settings
     if cleaned is None:
         return _Lines([], [], [], [])
     graph, widths = cleaned
-    rings = find_rings(graph, widths)
-    taken = frozenset(number for ring in rings for number, _ in ring.ends)
     if settings.junctions == "learned":
-        pairings = pair_by_net(graph, widths, taken)
-    else:
-        pairings = pair_branches(graph, widths, settings.max_turn, taken)
+        rings = find_rings(graph, widths)
+        pairings = pair_by_net(graph, widths, frozenset(number for ring in rings for number, _ in ring.ends))
+    else:  # ragged lines have holes, which are no rings
+        rings, pairings = [], pair_branches(graph, widths, settings.max_turn)
     is_alone = not others.any()
     bridges = [] if is_alone else bridge_gaps(graph, widths, coverage + others)
     found = [centre_line(graph, chain, widths, coverage) for chain in chains(graph, pairings + bridges, rings)]
