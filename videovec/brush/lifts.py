@@ -49,7 +49,7 @@ class Prices:
 
 
 RIGID = Prices(300.0, 600.0)  # a texture that strokes were only laid beside: it is blurred, and explains little
-FITTED = Prices(75.0, 75.0)  # one that was fitted together with them
+FITTED = Prices(150.0, 150.0)  # one that was fitted together with them
 
 
 @dataclass(frozen=True, slots=True, eq=False)
