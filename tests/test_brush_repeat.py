@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter, gaussian_filter1d
 
 from videovec.brush import Brush, BrushModel, Laying
 from videovec.brush.drift import learn_texture, lie_along
-from videovec.brush.lifts import FITTED, RIGID, Prices, find_lifts, part_strokes
+from videovec.brush.lifts import find_lifts, part_strokes
 from videovec.brush.partings import number_parts, parting_events, wholes_of
 from videovec.brush.period import _first_good, find_repeat
 from videovec.brush.refine import Laid
@@ -82,33 +82,9 @@ def test_a_stroke_is_parted_where_the_other_one_began_that_was_drawn_the_other_w
     both = Strip(ink, np.ones_like(ink), np.ones(len(ink)), float("nan"))
     drawn = [*strips, both]
     for only_turned in (True, False):
-        lifts = find_lifts(drawn, learn_texture(drawn, 9.0), RIGID, only_turned)
+        lifts = find_lifts(drawn, learn_texture(drawn, 9.0), only_turned)
         assert [len(lift) for lift in lifts] == [0, 0, 0, 0, 1]
         assert lifts[-1][0] == pytest.approx(17.0, abs=1.0)
-
-
-@pytest.mark.parametrize(("prices", "found"), [(RIGID, 0), (FITTED, 1)])
-def test_a_short_part_is_found_once_the_texture_is_sure(prices: Prices, found: int) -> None:
-    rng = np.random.default_rng(6)
-    texture = grain(9.0, rng)
-    strips = [laid(texture, 30.0, 0.0, rng) for _ in range(4)]
-    first, second = laid(texture, 20.0, 0.0, rng), laid(texture, 4.5, 0.0, rng)
-    second = second if (strip_turned(texture, first) != strip_turned(texture, second)) else second.turned()
-    weight = np.zeros((24, 1)).T + (np.arange(24) % 3 == 0)  # a third of the ink is seen
-    ink = np.concatenate([first.grain, second.grain])
-    drawn = [*strips, Strip(ink, np.repeat(weight, len(ink), axis=0), np.ones(len(ink)), float("nan"))]
-    lifts = find_lifts(drawn, learn_texture(drawn, 9.0), prices)
-    assert [len(lift) for lift in lifts] == [0, 0, 0, 0, found]
-    if found:
-        assert lifts[-1][0] == pytest.approx(20.0, abs=1.0)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_no_stroke_is_parted_along_which_the_arc_drifts_however_sure_the_texture_is(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    texture = grain(9.0, rng)
-    strips = [laid(texture, one, 0.02, rng) for one in rng.uniform(12, 48, 8)]
-    assert [len(lift) for lift in find_lifts(strips, learn_texture(strips, 9.0), FITTED)] == [0] * 8
 
 
 @pytest.mark.parametrize("seed", range(4))

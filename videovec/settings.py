@@ -121,7 +121,7 @@ class Weights:
     """Neighbouring segments whose tangents differ at their joint."""
     anchor: Annotated[float, Between(0)] = 1.0
     """Distance of each stroke's first drawing from where it was before the joint fit. px²"""
-    acceleration: Annotated[float, Between(0)] = 0.03
+    acceleration: Annotated[float, Between(0)] = 0.04
     """Second difference in time of control points. px² per frame⁴"""
     rigidity: Annotated[float, Between(0)] = 0.3
     """Neighbouring control points that do not move together."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +15,8 @@ from videovec.brush.drift import texture_of
 from videovec.brush.gauge import centre_support, full_scale
 from videovec.brush.grain import measure_grain, synthesise_grain
 from videovec.brush.known import lay_known
-from videovec.brush.lay import alignment_of, grain_begins, lay_again, lay_texture
-from videovec.brush.lifts import FITTED, RIGID, find_lifts, part_strokes
+from videovec.brush.lay import grain_begins, lay_again, lay_texture
+from videovec.brush.lifts import find_lifts, part_strokes
 from videovec.brush.prepare import fit_profile, mean_width, shorten_segments
 from videovec.brush.refine import Laid, RefineSchedule, refine
 from videovec.brush.settle import settle
@@ -33,7 +32,6 @@ from videovec.strokes import Strokes
 __all__ = ["BrushFit", "fit_brush"]
 
 _INK = 12  # coverage, of 255, from which a pixel holds ink
-_ROUNDS = 3  # of fitting a texture; between them strokes are parted and moved
 GRAIN_WIDTHS = 48  # length of a strip of synthesised grain; strokes begin anywhere in it
 
 
@@ -148,7 +146,7 @@ def _parted(
 ) -> tuple[Laid, Alignment]:
     """Strokes that begin where the brush did, and the texture learned again from them."""
     for only_turned in (True, False):  # strokes of two hide the repeat, and a wrong one makes strokes jump
-        parted = part_strokes(laid, find_lifts(surest(strips), found, RIGID, only_turned))
+        parted = part_strokes(laid, find_lifts(surest(strips), found, only_turned))
         if len(parted.strokes) > len(laid.strokes):
             laid, strips = parted, unroll(parted, coverage)
             found = texture_of(strips, learn_shared(surest(strips), settings))
@@ -158,16 +156,14 @@ def _parted(
 def _with_texture(
     laid: Laid, found: Alignment, coverage: NDArray[np.uint8], settings: BrushSettings, progress: Progress
 ) -> Laid:
-    """Fit texels, phases and strokes together; twice strokes are parted and moved to where the texture says so."""
+    """Fit texels, phases and strokes together; strokes that then lie better elsewhere are moved, once."""
+    last = settings.texture_steps // 3
     shift = 0.003 if len(coverage) > 1 else 0.0  # less than phases move: a short stroke says little of one drawing
     laid = settle(lay_texture(laid, found), coverage)
-    marks = np.linspace(0, settings.texture_steps, _ROUNDS + 1).round().astype(int).tolist()
-    for begin, end in pairwise(marks):
-        if begin:
-            strips = surest(unroll(laid, coverage))
-            laid = part_strokes(laid, find_lifts(strips, alignment_of(laid, strips), FITTED))
+    for steps in (settings.texture_steps - last, last):
+        laid = refine(laid, coverage, RefineSchedule(steps, 0.08, 0.01, phase=0.01, shift=shift), progress)
+        if steps != last:
             laid = settle(lay_again(laid, coverage), coverage)
-        laid = refine(laid, coverage, RefineSchedule(end - begin, 0.08, 0.01, phase=0.01, shift=shift), progress)
     return full_scale(laid.brush, laid)
 
 

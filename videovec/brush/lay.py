@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.brush.align import Alignment, Folded
-from videovec.brush.drift import explained_at, lie_along, texture_of
+from videovec.brush.drift import explained_at, lie_along
 from videovec.brush.gauge import full_scale
 from videovec.brush.refine import Laid
 from videovec.brush.strips import TEXELS_PER_WIDTH, Strip, joint_arcs, unroll
 from videovec.brushwork import Brush, BrushModel, stroke_joints
 
-__all__ = ["alignment_of", "grain_begins", "lay_again", "lay_texture", "offsets_at", "phases_at"]
+__all__ = ["grain_begins", "lay_again", "lay_texture", "offsets_at", "phases_at"]
 
 Floats = NDArray[np.float64]
 
@@ -48,18 +48,6 @@ def lay_again(laid: Laid, coverage: NDArray[np.uint8]) -> Laid:
         if other_share > share + _BETTER:
             sign[stroke], phase[part] = other_sign, phases_at(at, offset)
     return replace(laid, laying=replace(laid.laying, sign=sign, phase=phase))
-
-
-def alignment_of(laid: Laid, strips: list[Strip]) -> Alignment:
-    """How strokes lie in the texture that they are laid with, and that texture learned again from their strips."""
-    starts, width = stroke_joints(laid.strokes.layout), laid.brush.width
-    offset = tuple(
-        offsets_at(strip, arc / width, laid.laying.phase[first:last])
-        for strip, arc, first, last in zip(strips, joint_arcs(laid.strokes), starts[:-1], starts[1:], strict=True)
-    )
-    nothing = np.zeros(len(strips))
-    texture = laid.brush.strip - laid.brush.profile
-    return texture_of(strips, Alignment(laid.brush.repeat, texture, laid.laying.sign, offset, nothing, nothing))
 
 
 def grain_begins(strips: list[Strip], sign: Floats, texture: Floats, repeat: float) -> Floats:

@@ -22,34 +22,18 @@ from videovec.brush.strips import TEXELS_PER_WIDTH, Strip, joint_arcs
 from videovec.brushwork import Laying, stroke_joints
 from videovec.strokes import Layout
 
-__all__ = ["FITTED", "RIGID", "Prices", "find_lifts", "part_strokes"]
+__all__ = ["find_lifts", "part_strokes"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 _HOP = 6  # texels of arc over which the place in the texture drifts by at most one
-_DRIFT = 6.0  # price of a drift, in texels' worth of unexplained grain
+_DRIFT, _LIFT = 6.0, 300.0  # prices of a drift and of a lift, in texels' worth of unexplained grain
+_PAYS = 600.0  # what a lift must explain of ink that did not choose it, in texels' worth of grain
 _SLIP = 2.0  # widths that a place may jump in its own direction without a lift: arc lengths are wrong
 _AGREED = 2.5  # widths that the two sides may differ by
 _LEAST = 4.0  # widths of either part of a parted stroke
 _NEAR = 2.5  # widths within which a stroke is parted at its sharpest joint
-
-
-@dataclass(frozen=True, slots=True)
-class Prices:
-    """What a lift costs.
-
-    Args:
-        lift: What it must explain of the ink that chooses it. Texels' worth of grain
-        pays: What it must explain of ink that did not choose it. Texels' worth of grain
-    """
-
-    lift: float
-    pays: float
-
-
-RIGID = Prices(300.0, 600.0)  # a texture that strokes were only laid beside: it is blurred, and explains little
-FITTED = Prices(150.0, 150.0)  # one that was fitted together with them
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,44 +44,39 @@ class _Path:
     jumps: Ints
 
 
-def find_lifts(
-    strips: list[Strip], found: Alignment, prices: Prices = RIGID, only_turned: bool = False
-) -> list[Floats]:
+def find_lifts(strips: list[Strip], found: Alignment, only_turned: bool = False) -> list[Floats]:
     """Where along each stroke the texture begins anew.
 
     Args:
         strips: S strips.
         found: The texture, as far as it was learned from them.
-        prices: Of a lift.
         only_turned: Whether to part strokes only where they turn round, which no error of the repeat explains.
 
     Returns:
         Arcs of each stroke. S times [K] widths
     """
     others, slip = textures_without(strips, found), np.inf if only_turned else _SLIP
-    return [
-        _lifts_of(strip, texture, found.repeat, slip, prices) for strip, texture in zip(strips, others, strict=True)
-    ]
+    return [_lifts_of(strip, texture, found.repeat, slip) for strip, texture in zip(strips, others, strict=True)]
 
 
-def _lifts_of(strip: Strip, texture: Floats, repeat: float, slip: float, prices: Prices) -> Floats:
+def _lifts_of(strip: Strip, texture: Floats, repeat: float, slip: float) -> Floats:
     none = np.zeros(0)
     length, seen = len(strip.grain) / TEXELS_PER_WIDTH, float(strip.weight.sum())
     unit = float((strip.weight * strip.grain**2).sum()) / max(seen, 1e-9)
-    if length < 2 * _LEAST or seen < 2 * prices.pays:
+    if length < 2 * _LEAST or seen < 2 * _PAYS:
         return none
     sides = [_costs(side, texture, repeat) for side in _sides(strip)]
-    together = _cheapest(sides[0] + sides[1], _DRIFT * unit, prices.lift * unit)
+    together = _cheapest(sides[0] + sides[1], _DRIFT * unit, _LIFT * unit)
     jumps = _far(together, len(texture), slip / repeat)
     if not len(jumps):
         return none
-    alone = [_cheapest(side, 0.5 * _DRIFT * unit, 0.5 * prices.lift * unit) for side in sides]
+    alone = [_cheapest(side, 0.5 * _DRIFT * unit, 0.5 * _LIFT * unit) for side in sides]
     is_agreed = [all(_is_near(jump, path.jumps) for path in alone) for jump in jumps]
     lifts = jumps[is_agreed] * _HOP / TEXELS_PER_WIDTH
     lifts = lifts[(lifts >= _LEAST) & (lifts <= length - _LEAST)]
     whole = [_cheapest(side, 0.5 * _DRIFT * unit, np.inf) for side in sides]
     gain = sum(_cost(sides[1 - k], whole[k]) - _cost(sides[1 - k], alone[k]) for k in (0, 1))
-    return lifts if gain > prices.pays * unit * len(lifts) else none
+    return lifts if gain > _PAYS * unit * len(lifts) else none
 
 
 def _sides(strip: Strip) -> tuple[Strip, Strip]:
