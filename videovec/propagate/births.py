@@ -35,7 +35,11 @@ _HESITATION = 4
 _BESIDE = 2.0
 """How far from unexplained centre lines, beyond its half-width, a new stroke may lie. working px"""
 _FLASH = 6.0
-"""A patch of one drawing alone must be this many times the least."""
+"""A patch that is not where it was must be this many times the least to be looked for elsewhere."""
+_GLIMPSE = 2.0
+"""One that is nowhere any more must be this many times the least, and this far from all strokes, to be one all the same:"""
+_ALONE = 8.0
+"""what moved leaves ink beside strokes. working px"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,10 +102,15 @@ class Nursery:
             else:
                 seeds.append(seed)
         for seed in self._seeds:
-            if not heirs[id(seed)] and seed.patch.length + 2 * seed.patch.half_width >= _FLASH * _LEAST:
+            if heirs[id(seed)]:
+                continue
+            size, fast = seed.patch.length + 2 * seed.patch.half_width, []
+            if size >= _FLASH * _LEAST:
                 fast, taken = self._pursue(seed, drawing)
-                born += fast
                 seeds = [other for other in seeds if other.patch.number not in taken]
+            if not fast and before and size >= _GLIMPSE * _LEAST and before.gap_to(seed.patch) > _ALONE:
+                fast = self._deliver([seed.patch], drawing - self._direction, seed.since, [])
+            born += fast
         self._seeds = seeds
         self._forget(drawing)
         return born

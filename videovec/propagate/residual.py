@@ -64,6 +64,13 @@ class Residual:
     label: NDArray[np.int32]
     patches: tuple[Patch, ...]
 
+    def gap_to(self, patch: Patch) -> float:
+        """Distance of a patch from the nearest centre line that a stroke explains; infinite where there is none."""
+        own = self.point & (self.label[self.target.skeleton] == patch.number)
+        if not own.any() or self.point.all():
+            return np.inf
+        return float(cKDTree(self.target.points[~self.point]).query(self.target.points[own])[0].min())
+
     def ink_mask(self, numbers: list[int], size: tuple[int, int]) -> Bools:
         """Pixels of a drawing of a size [H, W] whose nearest centre line belongs to some patches."""
         skeleton = self.target.skeleton

@@ -165,7 +165,9 @@ class _Walk:
                 progress.advance()
                 return ahead[ahead.index(drawing) :]
             for life in self._nursery.observe(drawing, residual, self._followers, drawing == ahead[-1]):
-                self._followers.append(self._follow(self._book.add(life), drawing))
+                known = self._book.add(life)
+                if drawing in known.rows:  # else it was there for a moment
+                    self._followers.append(self._follow(known, drawing))
             self._retire(drawing)
             previous = target
             progress.advance()
