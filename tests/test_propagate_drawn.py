@@ -188,3 +188,20 @@ def test_what_appears_at_the_end_of_a_hidden_stroke_does_not_grow_on_from_it(is_
     blank = np.zeros((4, SIZE, SIZE), np.uint8)
     ink = Ink(blank, blank, np.zeros((1, 3)), np.ones(3), 0.0)
     assert len(join_grown(lives, ink)) == strokes
+
+
+@pytest.mark.parametrize("gap", [12.0, 24.0])
+def test_a_line_of_one_drawing_alone_is_a_stroke_if_it_lies_away_from_all_others(gap: float) -> None:
+    long, short = np.array([(30.0, 60.0), (170.0, 60.0)]), np.array([(70.0, 60.0 + gap), (100.0, 64.0 + gap)])
+    pages = [page_of([(long, 4.0), (short, 4.0)] if t == 3 else [(long, 4.0)]) for t in range(6)]
+    strokes = carried(pages)
+    lives = list(zip(strokes.layout.first.tolist(), strokes.layout.last.tolist(), strict=True))
+    assert lives == [(0, 5), (3, 3)]
+    dense = sample_by_arc(strokes.points_of(strokes.row(1, 3)), 64)
+    assert np.linalg.norm(part_of(short, 0.05, 0.95)[:, None] - dense, axis=2).min(1).max() < 1.5
+
+
+def test_ink_of_one_drawing_beside_a_line_is_none() -> None:
+    long, beside = np.array([(30.0, 60.0), (170.0, 60.0)]), np.array([(70.0, 68.0), (100.0, 68.0)])
+    strokes = carried([page_of([(long, 4.0), (beside, 4.0)] if t == 3 else [(long, 4.0)]) for t in range(6)])
+    assert len(strokes) == 1
