@@ -37,9 +37,9 @@ _BESIDE = 2.0
 _FLASH = 6.0
 """A patch that is not where it was must be this many times the least to be looked for elsewhere."""
 _GLIMPSE = 2.0
-"""One that is nowhere any more must be this many times the least, and this far from all strokes, to be one all the same:"""
+"""One that is nowhere any more must be this many times the least,"""
 _ALONE = 8.0
-"""what moved leaves ink beside strokes. working px"""
+"""and this far from all strokes, to be one all the same: what moved leaves ink beside them. working px"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
