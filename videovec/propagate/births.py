@@ -104,7 +104,8 @@ class Nursery:
         for seed in self._seeds:
             if heirs[id(seed)]:
                 continue
-            size, fast = seed.patch.length + 2 * seed.patch.half_width, []
+            fast: list[Life] = []
+            size = seed.patch.length + 2 * seed.patch.half_width
             if size >= _FLASH * _LEAST:
                 fast, taken = self._pursue(seed, drawing)
                 seeds = [other for other in seeds if other.patch.number not in taken]
