@@ -3,6 +3,10 @@
 Numba recompiles a function when its own file changes, but not when a file changes that it calls into. The cache's name
 therefore carries a digest of all sources of the function's package: code that changed never meets machine code that did
 not.
+
+Functions are put into those that call them. Else the machine code of every caller holds a copy, a little different in
+each, and whichever is met first stands in for all: sums would come out otherwise, in their last bits, in the run that
+compiles than in those that find the code in the cache.
 """
 
 from __future__ import annotations

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from videovec.curves import arc_length, sample_by_arc
+from videovec.curves import arc_length
 from videovec.propagate.nodes import basis_of
-from videovec.propagate.record import Life, Row
+from videovec.propagate.record import STEP, Life, Row, within
 
 __all__ = ["anchor"]
 
@@ -24,8 +24,6 @@ Ints = NDArray[np.intp]
 _Slid = tuple[float, float] | None
 """Arc fractions at which an end was under a line at first, and is now."""
 
-_STEP = 0.5
-"""Distance of the places that are looked at along a stroke. px"""
 _SPACING = 4.0
 """Distance of the nodes by which strokes are moved. px"""
 _HIDDEN = 2.0
@@ -79,13 +77,13 @@ def anchor(lives: list[Life]) -> None:
     Args:
         lives: All lives of one ink; their rows are written anew.
     """
-    tucked = [life for life in lives if _tucked(life)]
+    tucked = [(life, ends) for life in lives if (ends := _tucked(life))]
     if not tucked:
         return
-    pages = {d: _page(lives, d) for d in sorted({d for life in tucked for d in life.rows})}
-    for life in tucked:
+    pages = {d: _page(lives, d) for d in sorted({d for life, _ in tucked for d in life.rows})}
+    for life, ends in tucked:
         home = life.rows[life.home]
-        marks = [_marks(life, end, pages) if end in _tucked(life) else {} for end in (0, 1)]
+        marks = [_marks(life, end, pages) if end in ends else {} for end in (0, 1)]
         for drawing in sorted({*marks[0], *marks[1]} - {life.home}):
             slid = [(mark[life.home], mark[drawing]) if drawing in mark else None for mark in marks]
             life.rows[drawing] = _anchored(life.rows[drawing], home, (slid[0], slid[1]))
@@ -109,8 +107,7 @@ def _page(lives: list[Life], drawing: int) -> _Page:
         if row is None or not row.parts:
             continue
         along, tangent = _along(row)
-        u = np.linspace(0.0, 1.0, len(along))
-        seen = np.any([(u >= begin) & (u <= end) for begin, end in row.parts], axis=0)
+        seen = within(row.parts, len(along))
         places.append(along[seen])
         tangents.append(tangent[seen])
         widths.append(np.full(int(seen.sum()), float(row.half_width.mean())))
@@ -120,7 +117,7 @@ def _page(lives: list[Life], drawing: int) -> _Page:
 
 def _along(row: Row) -> tuple[Floats, Floats]:
     """Places and directions all along a stroke. [M, 2] px and [M, 2]"""
-    places = sample_by_arc(row.points, max(3, round(arc_length(row.points) / _STEP) + 1))
+    places = row.along()
     step = np.gradient(places, axis=0)
     return places, step / np.maximum(np.linalg.norm(step, axis=1, keepdims=True), 1e-9)
 
@@ -128,7 +125,7 @@ def _along(row: Row) -> tuple[Floats, Floats]:
 def _marks(life: Life, end: int, pages: dict[int, _Page]) -> dict[int, float]:
     """Where one end goes under the line under which it was at first, by drawing.
 
-    None if that is not one line, or if it comes out from under it on other drawings.
+    Nowhere if that is not one line, or if it comes out from under it on other drawings.
     """
     first = _crossing(life, life.home, end, pages[life.home])
     if first is None:
@@ -158,7 +155,7 @@ def _crossing(life: Life, drawing: int, end: int, page: _Page) -> _Crossing | No
         return None
     places, tangent = _along(row)
     last = len(places) - 1
-    at, reach = round(row.visible[end] * last), round(_AROUND / _STEP)
+    at, reach = round(row.visible[end] * last), round(_AROUND / STEP)
     near = np.arange(max(at - reach, 0), min(at + reach, last) + 1)
     gap, which = cKDTree(page.places[others]).query(places[near])
     k = int(gap.argmin())
@@ -198,7 +195,7 @@ def _anchored(row: Row, home: Row, slid: tuple[_Slid, _Slid]) -> Row:
 
 def _at(row: Row, u: Floats) -> Floats:
     """Where arc fractions lie. [n, 2] px"""
-    along = _along(row)[0]
+    along = row.along()
     return np.stack([np.interp(u, np.linspace(0.0, 1.0, len(along)), along[:, k]) for k in (0, 1)], axis=1)
 
 

@@ -102,16 +102,10 @@ class Nursery:
             else:
                 seeds.append(seed)
         for seed in self._seeds:
-            if heirs[id(seed)]:
-                continue
-            fast: list[Life] = []
-            size = seed.patch.length + 2 * seed.patch.half_width
-            if size >= _FLASH * _LEAST:
-                fast, taken = self._pursue(seed, drawing)
+            if not heirs[id(seed)]:
+                gone, taken = self._pursue(seed, drawing)
+                born += gone
                 seeds = [other for other in seeds if other.patch.number not in taken]
-            if not fast and before and size >= _GLIMPSE * _LEAST and before.gap_to(seed.patch) > _ALONE:
-                fast = self._deliver([seed.patch], drawing - self._direction, seed.since, [])
-            born += fast
         self._seeds = seeds
         self._forget(drawing)
         return born
@@ -119,17 +113,22 @@ class Nursery:
     def _pursue(self, seed: _Seed, drawing: int) -> tuple[list[Life], set[int]]:
         """Strokes of a patch that is not where it was, and the patches of this drawing that they explain."""
         before = drawing - self._direction
+        size = seed.patch.length + 2 * seed.patch.half_width
+        is_large = size >= _FLASH * _LEAST
+        is_alone = size >= _GLIMPSE * _LEAST and self._residuals[before].gap_to(seed.patch) > _ALONE
+        if not is_large and not is_alone:
+            return [], set()
         lives = self._deliver([seed.patch], before, seed.since, [])
-        ahead = [follow(life, before, self._spacing(before)) for life in lives]
+        ahead = [follow(life, before, self._spacing(before)) for life in lives if is_large]
         everything = [list(self._residuals[d].patches) for d in (before, drawing)]
-        seen = self._step(ahead, (before, drawing), (everything[0], everything[1]))
+        seen = self._step(ahead, (before, drawing), (everything[0], everything[1])) if ahead else []
         label, scale = self._residuals[drawing].label, self._residuals[drawing].target.scale
         taken: set[int] = set()
         for follower in seen:
             column, row = (scale * sample_by_arc(follower.life.rows[drawing].points, 64)).astype(np.intp).T
             inside = (row >= 0) & (column >= 0) & (row < label.shape[0]) & (column < label.shape[1])
             taken |= set(np.unique(label[row[inside], column[inside]]).tolist()) - {0}
-        return [follower.life for follower in seen], taken
+        return [follower.life for follower in seen] or (lives if is_alone else []), taken
 
     def _spacing(self, drawing: int) -> float:
         return self._settings.node_spacing / self._residuals[drawing].target.scale

@@ -8,15 +8,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.curves import arc_length, sample_by_arc
 from videovec.stroke_life import StrokeLife
 from videovec.strokes import Layout, Strokes
 
-__all__ = ["Interval", "Life", "Row", "bind", "open_lives"]
+__all__ = ["STEP", "Interval", "Life", "Row", "bind", "open_lives", "within"]
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 Interval = tuple[float, float]
 """A part of a stroke's arc, as arc fractions."""
+
+STEP = 0.5
+"""Distance of the places that are looked at along a stroke. px"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,11 +55,21 @@ class Row:
         """Share of the arc that is seen."""
         return sum(end - begin for begin, end in self.parts)
 
+    def along(self) -> Floats:
+        """Places all along it, evenly `STEP` apart. [M, 2] px"""
+        return sample_by_arc(self.points, max(3, round(arc_length(self.points) / STEP) + 1))
+
     def showing(self, parts: Sequence[Interval]) -> Row:
         """The same with other parts seen."""
         cuts = [u for part in parts for u in part]
         visible = (cuts[0], cuts[-1]) if cuts else (0.0, 0.0)
         return replace(self, visible=visible, gaps=tuple(zip(cuts[1:-1:2], cuts[2::2], strict=False)))
+
+
+def within(parts: Sequence[Interval], count: int) -> Bools:
+    """Which of some places, evenly along a stroke, lie in parts of it. bool [M]"""
+    u = np.linspace(0.0, 1.0, count)
+    return np.asarray(np.any([(u >= begin) & (u <= end) for begin, end in parts] or [np.zeros(count, bool)], axis=0))
 
 
 @dataclass(slots=True, eq=False)

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from videovec.curves import arc_length, sample_by_arc
+from videovec.curves import arc_length
 from videovec.ink import Ink
 from videovec.propagate.gaps import runs
-from videovec.propagate.record import Interval, Life, Row
+from videovec.propagate.record import STEP, Interval, Life, Row, within
 from videovec.propagate.target import ink_threshold, sample
 
 __all__ = ["reveal"]
@@ -19,8 +19,6 @@ __all__ = ["reveal"]
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-_STEP = 0.5
-"""Distance of the places that are looked at along a stroke. px"""
 _WHOLE = 0.98
 """Share of a stroke from which on nothing of it is hidden."""
 _LEAST = 2.0
@@ -48,7 +46,7 @@ def reveal(lives: list[Life], ink: Ink) -> None:
             continue
         picture = (ink.coverage[drawing] / np.float32(255.0)).astype(np.float32)
         threshold = ink_threshold(picture)
-        along = [_along(life.rows[drawing]) for life in here]
+        along = [life.rows[drawing].along() for life in here]
         shown = [_shown(life.rows[drawing], places) for life, places in zip(here, along, strict=True)]
         edges = np.concatenate([places for life, places in zip(here, shown, strict=True) if life.covers])
         for k, life in enumerate(here):
@@ -64,22 +62,11 @@ def reveal(lives: list[Life], ink: Ink) -> None:
             life.rows[drawing] = row.showing(_parts(under, row.parts, life.most_seen))
 
 
-def _along(row: Row) -> Floats:
-    """Places all along a stroke. [M, 2] px"""
-    return sample_by_arc(row.points, max(3, round(arc_length(row.points) / _STEP) + 1))
-
-
 def _shown(row: Row, places: Floats) -> Floats:
     """Those of the places along a stroke that are seen, and its half-width. [K, 3] px"""
-    is_seen = _within(row.parts, len(places))
+    is_seen = within(row.parts, len(places))
     half_width = np.full((len(places), 1), float(row.half_width.mean()))
     return np.concatenate([places, half_width], axis=1)[is_seen]
-
-
-def _within(parts: tuple[Interval, ...], count: int) -> Bools:
-    """Which of some places, evenly along a stroke, lie in parts of it. bool [M]"""
-    u = np.linspace(0.0, 1.0, count)
-    return np.asarray(np.any([(u >= begin) & (u <= end) for begin, end in parts] or [np.zeros(count, bool)], axis=0))
 
 
 def _near(places: Floats, others: Floats) -> tuple[Bools, Floats]:
@@ -121,14 +108,14 @@ def _parts(under: _Under, said: tuple[Interval, ...], most_seen: Interval) -> li
     pieces: list[list[int]] = []
     for first, stop in runs(own):
         before = pieces[-1][1] if pieces else first
-        if pieces and (~under.inked[before:first]).sum() * _STEP < _GAP:
+        if pieces and (~under.inked[before:first]).sum() * STEP < _GAP:
             pieces[-1][1] = stop
         else:
             pieces.append([first, stop])
-    length = [own[a : b + 1].sum() * _STEP for a, b in pieces]
+    length = [own[a : b + 1].sum() * STEP for a, b in pieces]
     if not pieces or max(length) < _LEAST:
         return []
-    was = _within(said, last + 1)
+    was = within(said, last + 1)
     main = int(np.argmax(length))
     kept = [
         (a, b) for k, (a, b) in enumerate(pieces) if k == main or (length[k] >= _BEYOND and was[a : b + 1].mean() > 0.5)
@@ -147,5 +134,5 @@ def _end(under: _Under, place: int, step: int) -> int:
     if not below:
         return place
     middle = below[int(np.argmin(under.gap[below]))]
-    is_tip = abs(stop - middle) * _STEP <= _TIP or not under.edge[middle]
+    is_tip = abs(stop - middle) * STEP <= _TIP or not under.edge[middle]
     return stop - step if at == stop and is_tip else middle
