@@ -4,8 +4,8 @@
     python benchmarks/propagation.py movies [--name MOVIE ...]
 
 ``moved`` chains the true strokes of the first drawing of each ``DIR/CLIP/gt.npz`` over all its drawings, then fits
-jointly. ``movies`` does the same with the movies of ``samples/`` and with `foreshortened_movie`, whose truth knows what
-is hidden. Prints tables in Markdown.
+jointly. ``movies`` does the same with the movies of ``samples/``, with `foreshortened_movie` and with `FAR_KEYS`, whose
+truth knows what is hidden. Prints tables in Markdown.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.far_keys import FAR_KEYS
 from benchmarks.foreshortened import foreshortened_movie
 from samples.make_samples import ball_movie, cat_movie, occluder_movie, robot_movie, turning_movie
 from samples.scene import Line, Movie, paint
@@ -49,6 +50,7 @@ MOVIES: dict[str, Callable[[], Movie]] = {
     "cat": cat_movie,
     "ball": ball_movie,
     "foreshortened": foreshortened_movie,
+    **FAR_KEYS,
 }
 
 

@@ -35,7 +35,9 @@ _HESITATION = 4
 _BESIDE = 2.0
 """How far from unexplained centre lines, beyond its half-width, a new stroke may lie. working px"""
 _FLASH = 6.0
-"""A patch that is not where it was must be this many times the least to be looked for elsewhere."""
+"""A patch that is not where it was must be this many times the least to be looked for elsewhere,"""
+_FAR = 16.0
+"""unless the fastest tenth of all strokes move this far, so that no patch is where it was. working px"""
 _GLIMPSE = 2.0
 """One that is nowhere any more must be this many times the least,"""
 _ALONE = 8.0
@@ -101,20 +103,30 @@ class Nursery:
                 born += self._deliver([patch], drawing, since, followers)
             else:
                 seeds.append(seed)
+        flash = 1.0 if self._stride(followers, drawing) > _FAR else _FLASH
         for seed in self._seeds:
             if not heirs[id(seed)]:
-                gone, taken = self._pursue(seed, drawing)
+                gone, taken = self._pursue(seed, drawing, flash)
                 born += gone
                 seeds = [other for other in seeds if other.patch.number not in taken]
         self._seeds = seeds
         self._forget(drawing)
         return born
 
-    def _pursue(self, seed: _Seed, drawing: int) -> tuple[list[Life], set[int]]:
+    def _stride(self, followers: list[Follower], drawing: int) -> float:
+        """How far at least the fastest tenth of all control points moved since the drawing before. working px"""
+        scale, steps = self._residuals[drawing].target.scale, [np.zeros(1)]
+        for follower in followers:
+            now, before = (follower.life.rows.get(d) for d in (drawing, drawing - self._direction))
+            if now is not None and before is not None:
+                steps.append(np.linalg.norm(now.points - before.points, axis=1))
+        return scale * float(np.quantile(np.concatenate(steps), 0.9))
+
+    def _pursue(self, seed: _Seed, drawing: int, flash: float) -> tuple[list[Life], set[int]]:
         """Strokes of a patch that is not where it was, and the patches of this drawing that they explain."""
         before = drawing - self._direction
         size = seed.patch.length + 2 * seed.patch.half_width
-        is_large = size >= _FLASH * _LEAST
+        is_large = size >= flash * _LEAST
         is_alone = size >= _GLIMPSE * _LEAST and self._residuals[before].gap_to(seed.patch) > _ALONE
         if not is_large and not is_alone:
             return [], set()

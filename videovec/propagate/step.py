@@ -30,6 +30,9 @@ Bools = NDArray[np.bool_]
 _SHORT = 0.5
 """Share of a stroke up to which it may be seen on one drawing for any less of it to be the stroke on the next."""
 
+_REACHED = 3
+"""Nodes by which more must be seen of a refined stroke, unless a gap has closed."""
+
 
 @dataclass(slots=True, eq=False)
 class Follower:
@@ -139,6 +142,8 @@ def carry(
     if not is_still:
         strokes = _refined(strokes, nodes.moved(points, rest / scale), coverage, settings)
     positions = scale * nodes.positions(strokes.points[: len(points)])
+    if not is_still:
+        support = _most(nodes, support, find_support(nodes, positions, half_width, ink, past))
     missing = ends_missing(nodes, positions, support.shown, past.most_seen)
     covers = covering(nodes, positions, half_width, support.shown, missing) & (not grows)
     for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
@@ -213,6 +218,21 @@ def _seen(nodes: Nodes, rows: list[Row]) -> Floats:
         for begin, end in row.parts:
             seen[own] += (nodes.u[own] >= begin) & (nodes.u[own] <= end)
     return np.minimum(seen, 1.0)
+
+
+def _most(nodes: Nodes, support: Support, again: Support) -> Support:
+    """Of two looks at strokes, the second one for those of which it shows more: refined, they have reached their ink."""
+    gained = np.bincount(nodes.stroke, again.shown.astype(float) - support.shown, minlength=len(nodes.bases))
+    closed = np.array([0 < len(b) < len(a) for a, b in zip(support.visible, again.visible, strict=True)], bool)
+    more = (gained >= _REACHED) | (closed & (gained > 0))
+    of_node, pairs = more[nodes.stroke], zip(again.visible, support.visible, strict=True)
+    return Support(
+        node=np.where(of_node, again.node, support.node),
+        shown=np.where(of_node, again.shown, support.shown),
+        visible=tuple(pair[0] if is_more else pair[1] for pair, is_more in zip(pairs, more, strict=True)),
+        share=np.where(more, again.share, support.share),
+        claimed=np.where(of_node, again.claimed, support.claimed),
+    )
 
 
 def _placed(followers: list[Follower], rows: list[Row], points: Floats, support: Support) -> Strokes:
