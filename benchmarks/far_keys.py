@@ -113,7 +113,7 @@ def _limb(
                     at + 14 * step - 8 * across,
                     at - 5 * across,
                 ]
-            ),  # fmt: skip
+            ),
             WIDTH,
             BLACK,
         ),

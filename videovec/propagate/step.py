@@ -221,7 +221,7 @@ def _seen(nodes: Nodes, rows: list[Row]) -> Floats:
 
 
 def _most(nodes: Nodes, support: Support, again: Support) -> Support:
-    """Of two looks at strokes, the second one for those of which it shows more: refined, they have reached their ink."""
+    """Of two looks at strokes, the second one where it shows more: refined, they have reached their ink."""
     gained = np.bincount(nodes.stroke, again.shown.astype(float) - support.shown, minlength=len(nodes.bases))
     closed = np.array([0 < len(b) < len(a) for a, b in zip(support.visible, again.visible, strict=True)], bool)
     more = (gained >= _REACHED) | (closed & (gained > 0))
