@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from videovec.propagate.front import covering, ends_missing
 from videovec.propagate.momentum import PATIENCE, Momentum, affine_part, momentum_of
 from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
-from videovec.propagate.placing import emerging, find, settled
+from videovec.propagate.placing import Found, emerging, find, settled
 from videovec.propagate.predict import Hold, predict_hidden
 from videovec.propagate.record import Life, Row, bind
 from videovec.propagate.refine import refine
 from videovec.propagate.registration import Source, recall, source_of
 from videovec.propagate.split import split_at_gaps
+from videovec.propagate.squeezed import opened, squeezed
 from videovec.propagate.stretch import stretched
-from videovec.propagate.support import SEEN, Past, Support, find_support
+from videovec.propagate.support import SEEN, Inks, Past, Support, find_support
 from videovec.propagate.target import Target
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
@@ -29,6 +30,8 @@ Bools = NDArray[np.bool_]
 
 _SHORT = 0.5
 """Share of a stroke up to which it may be seen on one drawing for any less of it to be the stroke on the next."""
+_MOST = 0.7
+"""Share of a stroke that must be seen for it to be squeezed on the next drawing; else it is hidden by something."""
 
 _REACHED = 3
 """Nodes by which more must be seen of a refined stroke, unless a gap has closed."""
@@ -47,6 +50,7 @@ class Follower:
         drift: How each node would go on; what an affine map says of the last step in which the stroke was told apart.
             [n, 2] working px
         waited: For how many drawings it has not been told apart from others; at first it may never have been.
+        open: Where its nodes would be if it were not squeezed; none of a stroke that is not closed. [n, 2] px
     """
 
     life: Life
@@ -56,6 +60,7 @@ class Follower:
     unseen: int = 0
     drift: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     waited: int = PATIENCE
+    open: Floats | None = None
 
     def half_width(self, drawing: int) -> float:
         """Mean half-width on a drawing. px"""
@@ -76,7 +81,7 @@ def follow(life: Life, drawing: int, spacing: float, scale: float = 1.0, before:
     basis = basis_of(points, spacing, life.is_closed)
     shape, still = basis.weights @ points, np.zeros((len(basis.u), 2))
     velocity = scale * (shape - basis.weights @ life.rows[before].points) if before in life.rows else still
-    return Follower(life, basis, shape, velocity, drift=still)
+    return Follower(life, basis, shape, velocity, drift=still, open=shape if life.is_closed else None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,17 +132,16 @@ def carry(
     support = find_support(nodes, found.positions, half_width, found.ink, past)
     hold = predict_hidden([f.life for f in followers], nodes, found.positions, support, (before, after, scale), front)
     rest, positions, is_still = source.rest, found.positions, grows and found.positions is source.rest
+    ink, squeezes = found.ink, dict[int, Floats]()
     if not is_still:
         if not grows:
             rest = stretched(nodes, rest, positions, support.follows(), momentum.merged)
-        ink, positions = settled(found, rest, half_width, support, _held(hold, momentum))
+        ink, positions, support = _settled(found, rest, half_width, support, (_held(hold, momentum), past))
+        whole = _whole(followers, rows, front | found.little | grows, scale)
+        squeezes = squeezed(nodes, positions, support, half_width, ink.own, whole)
+    if squeezes:
+        rest, positions = (_replaced(nodes, places, squeezes) for places in (rest, positions))
         support = find_support(nodes, positions, half_width, ink, past)
-        out = emerging(nodes, positions, half_width, support, ink) if front.any() else None
-        if out is not None:
-            ink, moved = settled(replace(found, positions=positions), rest, half_width, out, _held(hold, momentum))
-            again = find_support(nodes, moved, half_width, ink, past)
-            if again.shown.sum() > support.shown.sum():
-                positions, support = moved, again
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
     if not is_still:
         strokes = _refined(strokes, nodes.moved(points, rest / scale), coverage, settings)
@@ -154,9 +158,58 @@ def carry(
         follower.velocity = positions[own] - source.rest[own]
         follower.unseen = 0 if support.visible[s] else follower.unseen + 1
         _go_on(follower, positions[own], here.rest[own], momentum.is_blind(own))
+        follower.drift = np.zeros_like(follower.drift) if s in squeezes else follower.drift
+        follower.open = None if follower.open is None else opened(follower.open, positions[own] / scale)
         follower.waited = int(momentum.waits[s])
         follower.life.covers |= bool(covers[s])
     return Placement(nodes, positions, support, half_width)
+
+
+def _settled(
+    found: Found, rest: Floats, half_width: Floats, support: Support, known: tuple[Hold, Past]
+) -> tuple[Inks, Floats, Support]:
+    """Settle strokes, and hidden parts of them on ink around them if more is seen then.
+
+    Args:
+        found: Where they went.
+        rest: Where they are at rest. [N, 2] working px
+        half_width: Of each stroke. [S] working px
+        support: What is seen of them.
+        known: What holds nodes, and what was known of strokes before.
+
+    Returns:
+        The ink as it is divided now, where nodes are [N, 2], and what is seen of them.
+    """
+    nodes, (hold, past) = found.loose.nodes, known
+    ink, positions = settled(found, rest, half_width, support, hold)
+    support = find_support(nodes, positions, half_width, ink, past)
+    out = emerging(nodes, positions, half_width, support, ink) if ink.front.any() else None
+    if out is None:
+        return ink, positions, support
+    anew, moved = settled(replace(found, positions=positions), rest, half_width, out, hold)
+    again = find_support(nodes, moved, half_width, anew, past)
+    return (anew, moved, again) if again.shown.sum() > support.shown.sum() else (ink, positions, support)
+
+
+def _whole(followers: list[Follower], rows: list[Row], apart: Bools, scale: float) -> list[Floats | None]:
+    """The closed strokes that were seen, with nothing passing over them, as they are when they are open.
+
+    Args:
+        followers: All lives.
+        rows: What they were.
+        apart: Strokes that something passed over, or in front. bool [S]
+        scale: Working px for each px.
+    """
+    may = [not out and row.seen >= _MOST for out, row in zip(apart, rows, strict=True)]
+    return [scale * f.open if ok and f.open is not None else None for f, ok in zip(followers, may, strict=True)]
+
+
+def _replaced(nodes: Nodes, positions: Floats, places: dict[int, Floats]) -> Floats:
+    """Positions of nodes [N, 2] with those of some strokes instead."""
+    positions = positions.copy()
+    for s, place in places.items():
+        positions[nodes.starts[s] : nodes.starts[s + 1]] = place
+    return positions
 
 
 def _stacked(parts: list[Floats]) -> Floats:
