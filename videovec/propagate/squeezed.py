@@ -41,14 +41,18 @@ _DIRECTION = 4.0
 """Weight of direction when nearest points are looked for. px"""
 _FAR = 6.0
 """Distance beyond which a place costs no more. working px"""
+_WHOLE = 0.95
+"""Share of a stroke that must be seen for it to be where its ink is, and"""
 _FITS = 1.0
-"""Mean distance, each way, up to which stroke and ink are in one place. working px"""
+"""the mean distance, each way, up to which they are in one place. working px"""
 _GAIN = 0.5
 """By how much nearer to each other they must be than they were. working px"""
 _PRICE = 2.0
 """What a change of the long side costs, for the logarithm of its factor, and a turn, for each radian. working px"""
 _UNLIKE = 0.2
-"""By how much farther the ink must be from the open stroke, wherever that may lie: else it is hidden in part. px"""
+"""By how much farther the ink must be from the open stroke, wherever that may lie: else it is hidden in part, px,"""
+_STRAYED = 0.03
+"""and what each px by which the open stroke is moved counts as."""
 _WIDE = (0.75, 1.3)
 """Factors by which the long side of a stroke may shrink or grow,"""
 _OPEN = 0.8
@@ -94,7 +98,7 @@ def squeezed(
             continue
         ring = _ring(positions[own])
         before = _misfit(ring, left, np.repeat(explains[own], len(ring) // len(shape)))
-        if max(before) > _FITS:
+        if max(before) > _FITS or explains[own].mean() < _WHOLE:
             place = _squeeze(shape, left, sum(before) - _GAIN)
             found |= {} if place is None else {s: place}
     return found
@@ -193,7 +197,7 @@ def _price(change: Floats) -> float:
 
 
 def _as_it_is(ring: Floats, centres: tuple[Floats, Floats], ink: _Ink) -> float:
-    """How far the ink is, on the whole, from an open stroke that is only turned and moved so that this is least. px
+    """How far the ink is, on the whole, from an open stroke that is turned and moved there, and what moving costs. px
 
     Args:
         ring: Places along the stroke, around the origin. [M, 2] working px
@@ -204,7 +208,9 @@ def _as_it_is(ring: Floats, centres: tuple[Floats, Floats], ink: _Ink) -> float:
     sides = [side * half * np.eye(2)[k] for k in (0, 1) for side in (-1.0, 1.0)]
     starts = [*centres, *(centres[0] + side for side in sides)]
     everything = np.ones(len(ring), bool)
-    return min(_misfit(_moved(ring + start, ink), ink, everything)[1] for start in starts)
+    places = [_moved(ring + start, ink) for start in starts]
+    strayed = [float(np.linalg.norm(place.mean(axis=0) - ring.mean(axis=0) - centres[1])) for place in places]
+    return min(_misfit(place, ink, everything)[1] + _STRAYED * far for place, far in zip(places, strayed, strict=True))
 
 
 def _moved(ring: Floats, ink: _Ink) -> Floats:
