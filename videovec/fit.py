@@ -23,15 +23,15 @@ from videovec.render import Backend, render_image, resolve_backend
 from videovec.seen_ends import measure_ends
 from videovec.settings import FitSettings, RenderSettings, Weights
 from videovec.strokes import Strokes
-from videovec.temporal import Neighbours, acceleration, anchor, rigidity, width_change
+from videovec.temporal import Neighbours, acceleration, anchor, moves_far, rigidity, width_change
 
 __all__ = ["FitResult", "Pin", "compare", "draw_coverage", "fit", "judge"]
 
 Pin = tuple[int, int]
 """The identity of a stroke, and a drawing."""
 
-_FEW = 8
-"""Drawings below which a joint fit takes twice the steps."""
+_FAR = 2
+"""Times the steps that a joint fit takes of strokes that move far: they begin farther from their ink."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,10 +93,11 @@ def fit(
         fitted, is_finished = _fit_drawing(ink, strokes, settings, backend, progress)
     else:
         windows = list(_windows(ink.drawing_count, settings))
-        progress.stage("fit", _schedule(settings, ink.drawing_count).steps * len(windows))
+        schedules = [_schedule(settings, ink.drawing_count, strokes.within(*window)) for window in windows]
+        progress.stage("fit", sum(schedule.steps for schedule in schedules))
         fitted, is_finished = strokes, True
-        for window in windows:
-            fitted, is_finished = _fit_window(ink, fitted, window, (settings, pins), (backend, progress))
+        for window, schedule in zip(windows, schedules, strict=True):
+            fitted, is_finished = _fit_window(ink, fitted, window, (settings, schedule, pins), (backend, progress))
             if not is_finished:
                 break
         fitted = measure_ends(_restored(fitted, strokes, pins), ink.size)
@@ -107,14 +108,13 @@ def _fit_window(
     ink: Ink,
     strokes: Strokes,
     window: tuple[int, int],
-    how: tuple[FitSettings, frozenset[Pin]],
+    how: tuple[FitSettings, Schedule, frozenset[Pin]],
     tools: tuple[Backend, Progress],
 ) -> tuple[Strokes, bool]:
     """Fit the drawings of a window together with those around it; whether that came to its end."""
-    (first, last), (settings, pins), (backend, progress) = window, how, tools
+    (first, last), (settings, schedule, pins), (backend, progress) = window, how, tools
     around = max(0, first - settings.overlap), min(ink.drawing_count - 1, last + settings.overlap)
     part = strokes.within(*around).shifted(-around[0])
-    schedule = _schedule(settings, ink.drawing_count)
     held = Held(_pinned_rows(part, around[0], pins))
     if len(held.rows) == part.row_count:
         progress.advance(schedule.steps)
@@ -135,7 +135,7 @@ def _fit_drawing(
 ) -> tuple[Strokes, bool]:
     """Fit one drawing, and edit its strokes every so many steps; whether that came to its end."""
     every = settings.edits.every or settings.steps
-    schedule = _schedule(settings, 1)
+    schedule = _schedule(settings, 1, strokes)
     try:
         for begin in range(0, settings.steps, max(every, 1)):
             if begin > 0:
@@ -202,7 +202,8 @@ def draw_coverage(strokes: Strokes, size: tuple[int, ...], backend: Backend) -> 
     return drawn
 
 
-def _schedule(settings: FitSettings, drawings: int) -> Schedule:
+def _schedule(settings: FitSettings, drawings: int, strokes: Strokes) -> Schedule:
+    """How strokes are fitted: to the drawing of a clip of one, or to those of a window together."""
     if drawings == 1:
         return Schedule(
             settings.steps,
@@ -211,8 +212,7 @@ def _schedule(settings: FitSettings, drawings: int) -> Schedule:
             floor=0.01,
             is_newton=True,
         )
-    few = drawings < _FEW  # they are cheap, and often key drawings: far apart
-    return Schedule(steps=settings.joint_steps * (2 if few else 1), rate=0.15, scale=1.5)
+    return Schedule(steps=settings.joint_steps * (_FAR if moves_far(strokes) else 1), rate=0.15, scale=1.5)
 
 
 def _windows(drawings: int, settings: FitSettings) -> Iterator[tuple[int, int]]:

@@ -13,13 +13,14 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from videovec.strokes import Layout
+from videovec.strokes import Layout, Strokes
 
-__all__ = ["Neighbours", "acceleration", "anchor", "rigidity", "width_change"]
+__all__ = ["Neighbours", "acceleration", "anchor", "moves_far", "rigidity", "width_change"]
 
 _HOPS = (1, 2, 4, 8)  # control points between the ends and the middle of a triple
 _SMALL = 0.5  # px; differences in time that are larger are motion
 _FAR = 12.0  # px; what moves farther from one drawing to the next also changes its shape
+_FASTEST = 0.9  # quantile of motion above which strokes are the fastest
 _SHORT = 1.0  # px²; a triple whose ends are nearer than this says nothing about shape
 
 
@@ -34,7 +35,7 @@ class Neighbours:
         joints: Joints that have a next drawing. int [C]
         next_joints: The same joints one drawing later. int [C]
         first: Control points of each stroke's first drawing. int [F]
-    triples: First, middle and last point of a triple on a row that has a next drawing. int [E, 3]
+        triples: First, middle and last point of a triple on a row that has a next drawing. int [E, 3]
         next_triples: The same triple one drawing later. int [E, 3]
         hops: Control points between the middle and the ends of each triple. [E]
     """
@@ -87,6 +88,18 @@ def _triples(layout: Layout, points: NDArray[np.intp]) -> tuple[NDArray[np.intp]
         found.append(inside[:, None] + np.array([-hop, 0, hop]))
         hops.append(np.full(len(inside), hop))
     return np.concatenate(found), np.concatenate(hops)
+
+
+def moves_far(strokes: Strokes) -> bool:
+    """Whether the fastest tenth of control points change their shape, too, for how far they go between drawings."""
+    neighbours = Neighbours.of(strokes.layout)
+    here = neighbours.points.numpy()
+    if not len(here):
+        return False
+    layout = strokes.layout
+    later = here + (3 * layout.segments + 1)[layout.row_stroke][layout.point_row[here]]
+    moved = np.linalg.norm(strokes.points[later] - strokes.points[here], axis=1)
+    return bool(np.quantile(moved, _FASTEST) > _FAR)
 
 
 def acceleration(points: Tensor, neighbours: Neighbours) -> Tensor:
