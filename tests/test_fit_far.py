@@ -64,7 +64,7 @@ def test_strokes_move_far_if_a_tenth_of_them_does(share: float, expected: bool) 
         StrokeLife(
             id=k + 1,
             first=0,
-            points=np.stack([line, line + (0.0, shift[k])]),
+            points=np.stack([line, line + np.array([0.0, shift[k]])]),
             half_width=np.full((2, 2), WIDTH / 2),
             opacity=np.ones(2),
             visible=np.tile([0.0, 1.0], (2, 1)),
