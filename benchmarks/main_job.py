@@ -1,9 +1,10 @@
 """The main job, whole: time, memory, fidelity of the SVG frames, flicker, and whether two runs write the same bytes.
 
-    python benchmarks/main_job.py CLIP ... [--frames A:B] [--twice]
+    PYTHONPATH=. python benchmarks/main_job.py [CLIP ...] [--frames A:B] [--twice] [--lengths N ...]
 
 Every clip is run by ``videovec run`` in a process of its own. The SVG frames (outline style) are drawn by resvg, an
-independent rasteriser, and compared with the decoded source frames. Prints a table in Markdown.
+independent rasteriser, and compared with the decoded source frames. ``--lengths`` does the same with a waving robot of
+the samples over so many drawings, of equal motion each: does the cost grow linearly? Prints a table in Markdown.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ import numpy as np
 import resvg_py
 from numpy.typing import NDArray
 
+from samples.cast import robot
+from samples.scene import paint
 from videovec.clip import Clip
 from videovec.decode import decode
 from videovec.settings import DecodeSettings
@@ -45,32 +48,41 @@ class Row:
     worst_psnr: float
     count_changes: int
     seconds: float
+    processor: float
     megabytes: float
     lottie_kib: float
     is_same: str
 
     HEADER = (
         "| clip | size | drawings | strokes | PSNR median dB | PSNR worst dB | frames where the stroke count changes "
-        "| s per drawing | peak MB | Lottie KiB | same bytes |\n|---|---|---|---|---|---|---|---|---|---|---|"
+        "| s per drawing | processor s per drawing | peak MB | Lottie KiB | same bytes |\n" + 12 * "|---" + "|"
     )
 
     def __str__(self) -> str:
         return (
             f"| {self.clip} | {self.size} | {self.drawings} | {self.strokes} | {self.median_psnr:.1f} "
             f"| {self.worst_psnr:.1f} | {self.count_changes} | {self.seconds / self.drawings:.2f} "
-            f"| {self.megabytes:.0f} | {self.lottie_kib:.0f} | {self.is_same} |"
+            f"| {self.processor / self.drawings:.2f} | {self.megabytes:.0f} | {self.lottie_kib:.0f} | {self.is_same} |"
         )
 
 
-def run_once(clip: str, out: Path, frames: str | None) -> tuple[float, float]:
-    """Wall seconds and peak memory (MB) of one run from nothing."""
+def run_once(clip: str, out: Path, frames: str | None) -> tuple[float, float, float]:
+    """Wall seconds, processor seconds and peak memory (MB) of one run from nothing."""
     command = [sys.executable, "-m", "videovec", "run", clip, "-o", str(out), "--svg-style", "outline", "--fresh", "-q"]
     begin = time.perf_counter()
     process = subprocess.Popen(command + (["--frames", frames] if frames else []))
     _, status, usage = os.wait4(process.pid, 0)
     if status:
         raise SystemExit(f"{clip}: videovec run ended with status {os.waitstatus_to_exitcode(status)}")
-    return time.perf_counter() - begin, usage.ru_maxrss / 1024
+    return time.perf_counter() - begin, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+
+
+def write_waving_robot(folder: Path, count: int) -> str:
+    """A robot that waves once in 20 drawings, as numbered images; their pattern."""
+    for drawing in range(count):
+        image = paint(robot(drawing / 20, 0.0, 0.0), (512, 512))
+        iio.imwrite(folder / f"robot{count}_{drawing + 1:04d}.png", image)
+    return str(folder / f"robot{count}_%04d.png")
 
 
 def drawn_by_resvg(path: Path, page: NDArray[np.float64]) -> NDArray[np.uint8]:
@@ -103,7 +115,7 @@ def measure(source: str, frames: str | None, twice: bool) -> Row:
     """Run a clip and measure what came out."""
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch) / "first"
-        seconds, megabytes = run_once(source, folder, frames)
+        seconds, processor, megabytes = run_once(source, folder, frames)
         is_same = "not tried"
         if twice:
             run_once(source, Path(scratch) / "second", frames)
@@ -122,6 +134,7 @@ def measure(source: str, frames: str | None, twice: bool) -> Row:
             worst_psnr=min(values),
             count_changes=int(np.count_nonzero(np.diff(count))),
             seconds=seconds,
+            processor=processor,
             megabytes=megabytes,
             lottie_kib=(folder / "clip.json").stat().st_size / 1024,
             is_same=is_same,
@@ -130,13 +143,17 @@ def measure(source: str, frames: str | None, twice: bool) -> Row:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("clips", nargs="+", metavar="CLIP")
+    parser.add_argument("clips", nargs="*", metavar="CLIP")
     parser.add_argument("--frames", help="frames A:B of each clip, both included")
     parser.add_argument("--twice", action="store_true", help="run again and compare bytes")
+    parser.add_argument("--lengths", type=int, nargs="+", default=[], help="drawings of the waving robot")
     arguments = parser.parse_args()
     print(Row.HEADER)
     for clip in arguments.clips:
         print(measure(clip, arguments.frames, arguments.twice), flush=True)
+    for count in arguments.lengths:
+        with tempfile.TemporaryDirectory() as folder:
+            print(measure(write_waving_robot(Path(folder), count), None, arguments.twice), flush=True)
 
 
 if __name__ == "__main__":

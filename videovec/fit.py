@@ -31,7 +31,9 @@ Pin = tuple[int, int]
 """The identity of a stroke, and a drawing."""
 
 _FAR = 2
-"""Times the steps that a joint fit takes of strokes that move far: they begin farther from their ink."""
+"""Times the steps that a joint fit takes of strokes that move far between drawings and have not reached their ink:"""
+_OFF = 0.15
+"""from this difference between what they draw and the ink on, as a share of all ink."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +95,7 @@ def fit(
         fitted, is_finished = _fit_drawing(ink, strokes, settings, backend, progress)
     else:
         windows = list(_windows(ink.drawing_count, settings))
-        schedules = [_schedule(settings, ink.drawing_count, strokes.within(*window)) for window in windows]
+        schedules = [_schedule(settings, ink.drawing_count, _are_far(ink, strokes, w, backend)) for w in windows]
         progress.stage("fit", sum(schedule.steps for schedule in schedules))
         fitted, is_finished = strokes, True
         for window, schedule in zip(windows, schedules, strict=True):
@@ -135,7 +137,7 @@ def _fit_drawing(
 ) -> tuple[Strokes, bool]:
     """Fit one drawing, and edit its strokes every so many steps; whether that came to its end."""
     every = settings.edits.every or settings.steps
-    schedule = _schedule(settings, 1, strokes)
+    schedule = _schedule(settings, 1)
     try:
         for begin in range(0, settings.steps, max(every, 1)):
             if begin > 0:
@@ -202,7 +204,7 @@ def draw_coverage(strokes: Strokes, size: tuple[int, ...], backend: Backend) -> 
     return drawn
 
 
-def _schedule(settings: FitSettings, drawings: int, strokes: Strokes) -> Schedule:
+def _schedule(settings: FitSettings, drawings: int, are_far: bool = False) -> Schedule:
     """How strokes are fitted: to the drawing of a clip of one, or to those of a window together."""
     if drawings == 1:
         return Schedule(
@@ -212,7 +214,18 @@ def _schedule(settings: FitSettings, drawings: int, strokes: Strokes) -> Schedul
             floor=0.01,
             is_newton=True,
         )
-    return Schedule(steps=settings.joint_steps * (_FAR if moves_far(strokes) else 1), rate=0.15, scale=1.5)
+    return Schedule(steps=settings.joint_steps * (_FAR if are_far else 1), rate=0.15, scale=1.5)
+
+
+def _are_far(ink: Ink, strokes: Strokes, window: tuple[int, int], backend: Backend) -> bool:
+    """Whether strokes of a window move far from drawing to drawing, and have not reached their ink yet."""
+    part = strokes.within(*window).shifted(-window[0])
+    if not moves_far(part):
+        return False
+    shown = ink.shown[window[0] : window[1] + 1]
+    drawn = draw_coverage(part, shown.shape, backend)
+    off = (np.maximum(shown, drawn) - np.minimum(shown, drawn)).sum(dtype=np.int64)
+    return bool(off > _OFF * shown.sum(dtype=np.int64))
 
 
 def _windows(drawings: int, settings: FitSettings) -> Iterator[tuple[int, int]]:

@@ -240,6 +240,7 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
     if len(source.nodes) == 0 or len(target) == 0:
         return positions
     held = _held(source)
+    along_ink, around_ink = doubled(target.direction), target.moments(target.points)
     to_ink = np.zeros(len(positions), np.int64)
     to_node = np.zeros((len(target) + 1) // 2, np.int64)
     for phase in phases:
@@ -248,7 +249,7 @@ def register(source: Source, target: Target, start: Floats, phases: tuple[Phase,
             edges = source.stiffness(along, across)
             turn = rotations(positions, source.rest, *edges, 1.0, 1.0)
             features = _node_features(source, positions, turn, beta, gamma)
-            ink = _ink_features(target, beta, gamma)
+            ink = np.concatenate([target.points, beta * along_ink, gamma * around_ink], axis=1)
             to_ink, squared = nearest(features, ink, to_ink)
             to_node, squared_back = nearest(ink[::2], features, to_node)
             pull, rhs = held[0].copy(), held[1].copy()
@@ -289,9 +290,3 @@ def _node_features(source: Source, positions: Floats, turn: Floats, beta: float,
     cos, sin = turn[:, None, 0], turn[:, None, 1]
     turned = np.stack([cos * moments[..., 0] - sin * moments[..., 1], sin * moments[..., 0] + cos * moments[..., 1]], 2)
     return np.concatenate([positions, beta * doubled(tangent), gamma * turned.reshape(-1, 4)], axis=1)
-
-
-def _ink_features(target: Target, beta: float, gamma: float) -> Floats:
-    return np.concatenate(
-        [target.points, beta * doubled(target.direction), gamma * target.moments(target.points)], axis=1
-    )

@@ -146,7 +146,7 @@ def carry(
     if not is_still:
         strokes = _refined(strokes, nodes.moved(points, rest / scale), coverage, settings)
     positions = scale * nodes.positions(strokes.points[: len(points)])
-    if not is_still:
+    if not (is_still or support.shown.all()):
         support = _most(nodes, support, find_support(nodes, positions, half_width, ink, past))
     missing = ends_missing(nodes, positions, support.shown, past.most_seen)
     covers = covering(nodes, positions, half_width, support.shown, missing) & (not grows)
