@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from benchmarks import propagation, strides
+from benchmarks import blinks, propagation, strides
 from benchmarks.foreshortened import foreshortened_movie
 from benchmarks.propagation import Known, interval_errors, share_right
 from benchmarks.strides import every_nth, kept, unexplained
@@ -116,3 +116,15 @@ def test_the_foreshortened_movie_has_every_line_from_its_first_drawing_on() -> N
     names = [{getattr(item, "name", "") for item in drawing} for drawing in movie.drawings]
     assert all(later <= names[0] for later in names)
     assert len(names[0] - names[-1]) == 2  # the marks on the faces, which are turned away
+
+
+def test_half_a_closed_stroke_is_not_the_whole_one() -> None:
+    truth, followed = known()
+    closed = replace(truth, first=replace(truth.first, is_closed=np.ones(1, bool)))
+    assert blinks.whole_share(closed, followed) == 1.0
+    assert blinks.whole_share(closed, replace(followed, visible=np.tile([0.0, 0.5], (2, 1)))) == 0.0
+    assert blinks.whole_share(closed, replace(followed, points=followed.points + 5.0)) == 0.0
+
+
+def test_blinks_are_measured() -> None:
+    assert blinks.measure("bird, at once", 2).startswith("| bird, at once | 6 / 6 | 1.000 |")

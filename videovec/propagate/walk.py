@@ -11,7 +11,6 @@ from videovec.errors import FitError
 from videovec.events import Event
 from videovec.ink import Ink, amount_of_ink, first_full
 from videovec.progress import Progress, Silent
-from videovec.propagate.anchor import anchor
 from videovec.propagate.births import Nursery, Trace
 from videovec.propagate.grown import join_grown
 from videovec.propagate.happenings import events_of
@@ -24,6 +23,7 @@ from videovec.propagate.seam import move_seam
 from videovec.propagate.split import split_at_gaps
 from videovec.propagate.step import Follower, Placement, carry, follow
 from videovec.propagate.target import Target, make_target, sample
+from videovec.propagate.tucked import hold_tucked
 from videovec.propagate.unhide import unhide
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
@@ -86,7 +86,7 @@ def walk(
             to_do += [(seed, range(seed - left.step, left.start - left.step, -left.step))]
     book.lives = join_returning(join_grown(book.lives, ink), book.blanks, settings.memory)
     reveal(book.lives, ink)
-    anchor(book.lives)
+    hold_tucked(book.lives)
     for life in book.lives if settings.move_seams else ():
         move_seam(life)
     bound, confidence = bind(split_at_gaps(sorted(book.lives, key=lambda life: life.id), book.next_id))

@@ -16,7 +16,7 @@ from videovec.curves import arc_length
 from videovec.propagate.nodes import basis_of
 from videovec.propagate.record import STEP, Life, Row, within
 
-__all__ = ["anchor"]
+__all__ = ["hold_tucked"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -71,7 +71,7 @@ class _Crossing:
     line: int
 
 
-def anchor(lives: list[Life]) -> None:
+def hold_tucked(lives: list[Life]) -> None:
     """Keep what is seen of strokes with a hidden end as it was at first, while that end lies under the same line.
 
     Args:
@@ -86,7 +86,7 @@ def anchor(lives: list[Life]) -> None:
         marks = [_marks(life, end, pages) if end in ends else {} for end in (0, 1)]
         for drawing in sorted({*marks[0], *marks[1]} - {life.home}):
             slid = [(mark[life.home], mark[drawing]) if drawing in mark else None for mark in marks]
-            life.rows[drawing] = _anchored(life.rows[drawing], home, (slid[0], slid[1]))
+            life.rows[drawing] = _slid_back(life.rows[drawing], home, (slid[0], slid[1]))
 
 
 def _tucked(life: Life) -> tuple[int, ...]:
@@ -166,7 +166,7 @@ def _crossing(life: Life, drawing: int, end: int, page: _Page) -> _Crossing | No
     return _Crossing(float(near[k]) / last, int(page.life[others][other]))
 
 
-def _anchored(row: Row, home: Row, slid: tuple[_Slid, _Slid]) -> Row:
+def _slid_back(row: Row, home: Row, slid: tuple[_Slid, _Slid]) -> Row:
     """A row slid back: what was found at some arc fractions is where it was at first, and so are hidden ends.
 
     Args:

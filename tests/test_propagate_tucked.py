@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from videovec.curves import sample_by_arc, sub_curve
-from videovec.propagate.anchor import anchor
 from videovec.propagate.record import Life, Row
+from videovec.propagate.tucked import hold_tucked
 
 Floats = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ def _scene(end: Callable[[int], float], wall: Callable[[int], float]) -> tuple[l
 def test_an_end_that_slid_up_to_the_line_that_hides_it_goes_back_under_it() -> None:
     lives, whole = _scene(lambda d: 1.0 - 0.012 * d, lambda _: HIDDEN)
     assert lives[0].rows[COUNT - 1].visible[1] > HIDDEN + 0.1
-    anchor(lives)
+    hold_tucked(lives)
     for d, row in lives[0].rows.items():
         assert row.visible == pytest.approx((0.0, HIDDEN), abs=0.01)
         places = sample_by_arc(row.points, 101)[:81]
@@ -76,7 +76,7 @@ def test_an_end_that_comes_out_from_under_a_line_stays_out(pace: float) -> None:
     for d in range(COUNT):
         if before[d][1] >= 1.0:  # the wall has gone on
             wall.rows[d] = _wall(150.0 + 3.0 * d)
-    anchor(lives)
+    hold_tucked(lives)
     assert {d: row.visible for d, row in lives[0].rows.items()} == before
 
 
@@ -84,5 +84,5 @@ def test_strokes_that_were_seen_whole_are_left_alone() -> None:
     lives, _ = _scene(lambda _: 1.0, lambda _: HIDDEN)
     lives[0].rows[0] = _row(_bent(0))
     before = [row.points.copy() for row in lives[0].rows.values()]
-    anchor(lives)
+    hold_tucked(lives)
     assert all(np.array_equal(a, row.points) for a, row in zip(before, lives[0].rows.values(), strict=True))
