@@ -16,6 +16,7 @@ from benchmarks.junction_figures import figure, scene
 from benchmarks.junction_labels import STEP, Known, label
 from benchmarks.junction_parts import jointed
 from benchmarks.junction_scenes import densify
+from benchmarks.junction_traced import traced
 from videovec.initialise.graph import Graph
 from videovec.initialise.polyline import resample
 from videovec.initialise.prune import Widths
@@ -33,7 +34,7 @@ FOLDERS = {
     "tabler": "@tabler/icons/icons/outline",
 }
 """Where each collection keeps its drawings under ``node_modules``: lucide-static is ISC, the others are MIT."""
-MADE = {"figure": figure, "scene": scene, "jointed": jointed}
+MADE = {"figure": figure, "scene": scene, "jointed": jointed, "traced": traced}
 """Kinds of drawings that are made up."""
 ICONS = "icons of "
 

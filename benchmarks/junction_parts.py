@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,10 +22,12 @@ from benchmarks.junction_scenes import (
     turned,
 )
 
-__all__ = ["jointed"]
+__all__ = ["DrawPart", "draw_part", "jointed"]
 
 Floats = NDArray[np.float64]
 Random = np.random.Generator
+DrawPart = Callable[[Page, Random, Floats, Floats | None], None]
+"""Draws the outline of a part, given that of the part that it grows out of."""
 
 
 def _capsule(rng: Random, a: Floats, b: Floats, half: float) -> tuple[Floats, Limb]:
@@ -73,7 +76,7 @@ def _fingers(rng: Random, center: Floats, heading: float, size: float) -> Floats
     return turned(gaussian_filter1d(points, 1.0, axis=0, mode="wrap") * size, heading) + center
 
 
-def _draw(page: Page, rng: Random, ring: Floats, parent: Floats | None) -> None:
+def draw_part(page: Page, rng: Random, ring: Floats, parent: Floats | None) -> None:
     """Draw a part, closed, or open where it lies in the one that it grows out of but for a little of its line."""
     inside = np.zeros(len(ring), bool) if parent is None else is_inside(parent, ring)
     if rng.random() < 0.3 or not inside.any() or inside.all():
@@ -136,7 +139,7 @@ def _chain(rng: Random, parts: list[_Part], trunk: Floats, size: float) -> None:
         parts.append(_Part(depth + rng.normal(0, 0.5), ring, parent))
 
 
-def jointed(rng: Random) -> list[Floats]:
+def jointed(rng: Random, draw: DrawPart = draw_part) -> list[Floats]:
     """Strokes of a body whose limbs are chains of parts, on a page about one wide."""
     page, size = Page(rng), rng.uniform(0.08, 0.16)
     trunk = polygon(rng) if rng.random() < 0.4 else blob(rng, 120)
@@ -148,7 +151,7 @@ def jointed(rng: Random) -> list[Floats]:
         head = turned(blob(rng, 100), rng.uniform(0, 6.3)) * size * rng.uniform(0.6, 1.1)
         parts.append(_Part(rng.normal(0.5, 1), head - size * np.array([0.0, rng.uniform(0.9, 1.5)]), 0))
     for part in sorted(parts, key=lambda part: part.depth):
-        _draw(page, rng, part.ring, parts[part.parent].ring if part.parent >= 0 else None)
+        draw(page, rng, part.ring, parts[part.parent].ring if part.parent >= 0 else None)
         if part.limb is not None and rng.random() < 0.5:
             add_cuffs(page, rng, part.limb)
             add_folds(page, rng, part.limb)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from benchmarks.junction_data import Drawn, drawings, raster, trace_lines
 from benchmarks.junction_figures import scene
+from benchmarks.junction_traced import by_hand
 from benchmarks.junction_training import prepare, scores_of, to_bytes, train
 from videovec.initialise import junction_net
 from videovec.initialise.arrangement import arrange
@@ -213,6 +214,21 @@ def test_true_matchings_are_those_of_the_strokes_that_were_drawn() -> None:
         {frozenset((10, 190))},
         {frozenset((10, 100))},
     ]
+
+
+def test_lines_traced_by_hand_have_few_vertices_and_still_meet_what_they_met() -> None:
+    x = np.linspace(-0.4, 0.4, 300)
+    bar = np.stack([x, 0.1 * np.sin(8 * x)], axis=1)
+    stem = np.stack([np.full(100, 0.1), np.linspace(0.4, 0.1 * np.sin(0.8), 100)], axis=1)
+    corners = []
+    for seed in range(12):
+        straight, ends_on_it = by_hand([bar, stem], np.random.default_rng(seed))
+        away = np.linalg.norm(straight - ends_on_it[-1], axis=1).min()
+        assert away < 0.02
+        np.testing.assert_allclose(ends_on_it[0], stem[0], atol=1e-6)
+        way = np.diff(straight, axis=0)
+        corners.append(np.abs(np.diff(np.unwrap(np.arctan2(way[:, 1], way[:, 0])))) > 0.02)
+    assert min(turned.sum() for turned in corners) < 20  # some are straight from vertex to vertex
 
 
 def test_the_library_computes_what_was_trained() -> None:
