@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from benchmarks import blinks, propagation, strides
+from benchmarks import blinks, lives, propagation, strides
 from benchmarks.foreshortened import foreshortened_movie
 from benchmarks.propagation import Known, interval_errors, share_right
 from benchmarks.strides import every_nth, kept, unexplained
@@ -128,3 +128,17 @@ def test_half_a_closed_stroke_is_not_the_whole_one() -> None:
 
 def test_blinks_are_measured() -> None:
     assert blinks.measure("bird, at once", 2).startswith("| bird, at once | 6 / 6 | 1.000 |")
+
+
+def test_the_menu_closes_up_to_one_bar_and_parts_into_a_cross() -> None:
+    drawings = lives.menu_movie().drawings
+    assert [len(drawings[d]) for d in (0, 5, 6, 7, 8, 12, 13)] == [3, 3, 1, 1, 2, 2, 3]
+
+
+def test_the_benchmark_of_lives_prints_a_row_for_a_movie(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lives, "CHOSEN_ON", {"short": lambda: lives.bars_movie(2)})
+    monkeypatch.setattr(lives, "CONFIRMED_ON", {})
+    lives.main([])
+    assert "| short | 4 / 4 | 1.000 |" in capsys.readouterr().out
