@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_propagate import draw, line, turned
+from test_propagate import arc, draw, line, turned
 
 from videovec.propagate.ends import find_ends
 from videovec.propagate.nodes import Nodes, basis_of, gather
@@ -91,3 +91,18 @@ def test_where_nothing_is_seen_or_the_leap_is_large_nothing_is_expected() -> Non
 
 def test_strokes_that_are_seen_whole_are_left_to_the_ink() -> None:
     assert not followed(FIGURE, turned(FIGURE, 5.0, (0.0, 0.0)), [True] * 4)[1].any()
+
+
+def test_what_little_is_seen_of_a_stroke_neither_turns_nor_shrinks_the_rest() -> None:
+    curve = np.concatenate([arc(80, 80, 40, k, k + 90)[k > 0 :] for k in (0, 90, 180)])
+    nodes, positions = nodes_of([curve])
+    cap = nodes.u < 0.25
+    middle = positions[cap].mean(axis=0)
+    slid = turned([positions], 6.0, (0.0, 0.0))[0]
+    slid = slid + middle - slid[cap].mean(axis=0)
+    now = np.where(cap[:, None], middle + 0.92 * (slid - middle), positions)
+    life = Life(1, False, 0, np.zeros(3), {0: Row(curve, np.full(4, 1.5), 1.0, (0.0, 1.0), 1.0)})
+    support = Support(cap, cap, (((0.0, 0.25),),), np.array([0.25]), cap)
+    hold = predict_hidden([life], nodes, now, support, (0, 1, 1.0), np.zeros(1, bool))
+    assert (hold.stiffness[~cap] > 0).all()
+    assert np.linalg.norm(hold.goal - positions, axis=1)[~cap].mean() < 4.0

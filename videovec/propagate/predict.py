@@ -37,6 +37,8 @@ _STEPS = 3
 """Steps before a stroke was hidden in which what moved otherwise is told from what moved alike."""
 _OTHERWISE = 6.0
 """Motion against a stroke, in one step, at which another has a quarter of its say. px"""
+_STEADY = 0.05
+"""Say of its turn so far, and of no change of size, in the spread of its nodes when all of them have a say of 1."""
 _FEWEST = 4.0
 """Sum of says below which nothing is known."""
 _FIRM = 10.0
@@ -176,21 +178,26 @@ def _common_motion(
     say[is_own[known]] = max(_OWN, _RATHER * share * float(say.sum()) / max(int(is_own[known].sum()), 1))
     a, b = _complex(then[known]), _complex(now[known])
     factor, shift = _similarity(_complex(target), _complex(guess), np.ones(len(target)))
+    spread = float(np.square(target - target.mean(axis=0)).sum()) if share > 0 else 0.0
+    steady = _STEADY * spread, factor / max(abs(factor), 1e-9)
     for tolerance in _TOLERANCES:
         misfit = np.abs(factor * a + shift - b)
         weight = say / (1.0 + (misfit / tolerance) ** 2) ** 2
         if weight.sum() < _FEWEST:
             return None
-        factor, shift = _similarity(a, b, weight)
+        factor, shift = _similarity(a, b, weight, steady)
     return factor, shift
 
 
-def _similarity(a: Complexes, b: Complexes, weight: Floats) -> tuple[complex, complex]:
-    """Factor and shift that best take points to others."""
+def _similarity(
+    a: Complexes, b: Complexes, weight: Floats, steady: tuple[float, complex] = (0.0, 1.0)
+) -> tuple[complex, complex]:
+    """Factor and shift that best take points to others; ``steady`` is a factor to rather keep to, and how much."""
     total = weight.sum()
     middle_a, middle_b = (weight @ a) / total, (weight @ b) / total
-    spread = float(weight @ np.abs(a - middle_a) ** 2)
-    factor = complex((weight * np.conj(a - middle_a)) @ (b - middle_b) / spread) if spread > 1e-9 else 1.0 + 0.0j
+    spread = float(weight @ np.abs(a - middle_a) ** 2) + steady[0]
+    turned = complex((weight * np.conj(a - middle_a)) @ (b - middle_b)) + steady[0] * steady[1]
+    factor = turned / spread if spread > 1e-9 else 1.0 + 0.0j
     return factor, complex(middle_b - factor * middle_a)
 
 
