@@ -24,8 +24,8 @@ def test_a_short_new_line_is_one_stroke_where_all_moves_far() -> None:
 
 def test_a_bend_that_only_the_refinement_reaches_is_seen() -> None:
     rail = line(20, 140, 140, 140)
-    flat, bent = (polygon([(15, 80), (40, 80), (67, 80), (75, 80 - high), (83, 80), (110, 80), (140, 80)])
-                  for high in (0, 8))  # fmt: skip
+    flat, bent = (polygon([(15, y), (40, y), (67, y), (75, y - high), (83, y), (110, y), (140, y)])
+                  for y, high in ((60, 0), (74, 8)))  # fmt: skip
     drawings = [draw([rail, curve]) for curve in (flat, bent, bent)]
     result = run(ink_of(drawings), strokes_of([rail, flat]), PropagateSettings()).strokes
     assert len(result) == 2

@@ -33,6 +33,8 @@ _SHORT = 0.5
 _MOST = 0.7
 """Share of a stroke that must be seen for it to be squeezed on the next drawing; else it is hidden by something."""
 
+_FAR = 12.0
+"""How far a node of a stroke must have gone for it to be looked at again once it is refined. working px"""
 _REACHED = 3
 """Nodes by which more must be seen of a refined stroke, unless a gap has closed."""
 
@@ -146,8 +148,9 @@ def carry(
     if not is_still:
         strokes = _refined(strokes, nodes.moved(points, rest / scale), coverage, settings)
     positions = scale * nodes.positions(strokes.points[: len(points)])
-    if not (is_still or support.shown.all()):
-        support = _most(nodes, support, find_support(nodes, positions, half_width, ink, past))
+    went = np.linalg.norm(positions - here.rest, axis=1)
+    if not (is_still or support.shown.all()) and went.max() > _FAR:
+        support = _most(nodes, support, find_support(nodes, positions, half_width, ink, past), went)
     missing = ends_missing(nodes, positions, support.shown, past.most_seen)
     covers = covering(nodes, positions, half_width, support.shown, missing) & (not grows)
     for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
@@ -273,11 +276,12 @@ def _seen(nodes: Nodes, rows: list[Row]) -> Floats:
     return np.minimum(seen, 1.0)
 
 
-def _most(nodes: Nodes, support: Support, again: Support) -> Support:
-    """Of two looks at strokes, the second one where it shows more: refined, they have reached their ink."""
+def _most(nodes: Nodes, support: Support, again: Support, went: Floats) -> Support:
+    """Of two looks at strokes, the second where it shows more of what went far: refined, it has reached its ink."""
+    far = np.bincount(nodes.stroke, went > _FAR, minlength=len(nodes.bases)) > 0
     gained = np.bincount(nodes.stroke, again.shown.astype(float) - support.shown, minlength=len(nodes.bases))
     closed = np.array([0 < len(b) < len(a) for a, b in zip(support.visible, again.visible, strict=True)], bool)
-    more = (gained >= _REACHED) | (closed & (gained > 0))
+    more = far & ((gained >= _REACHED) | (closed & (gained > 0)))
     of_node, pairs = more[nodes.stroke], zip(again.visible, support.visible, strict=True)
     return Support(
         node=np.where(of_node, again.node, support.node),
