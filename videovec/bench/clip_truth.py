@@ -2,7 +2,7 @@
 
 Each clip is one of three kinds: ``NAME/gt.npz`` (``ctrl [T, segments, 4, 2]`` px and ``seg_stroke [segments]``) beside
 images ``0000.png ..``; ``NAME/gt.json`` (``frames[i].strokes[j]`` with ``id``, ``points`` and ``visible``) beside
-``NAME.mp4``; or ``truth/NAME.json``, as in ``samples/``, beside the clip ``NAME`` itself.
+``NAME.mp4`` or such images; or ``truth/NAME.json``, as in ``samples/``, beside the clip ``NAME`` itself.
 """
 
 from __future__ import annotations
@@ -83,7 +83,8 @@ def _read_animation(path: Path) -> TrueClip:
         true.append(
             [TrueStroke(names.index(s["id"]) + 1, np.array(s["points"], float).reshape(-1, 2)) for s in strokes]
         )
-    return TrueClip(path.parent.name, path.parent / f"{path.parent.name}.mp4", true, False)
+    movie = path.with_name(f"{path.parent.name}.mp4")
+    return TrueClip(path.parent.name, movie if movie.exists() else path.with_name("%04d.png"), true, False)
 
 
 def _read_sample(path: Path) -> TrueClip | None:
