@@ -27,6 +27,12 @@ _OUTSIDE = 3
 """Nodes beyond the seen part that it may reach."""
 _WIDENED = 1.0
 """By how much ink is widened, for strokes that lie beside its middle. working px"""
+_THICK = 4.0
+"""Half-width from which on the form of an end can be made out. working px"""
+_ROUND, _SHOULDER = 0.3, 1.0
+"""So far before its tip, and so far from its middle, a round end has no ink and one that is cut off has. Half-widths"""
+_CUT_OFF = 0.5
+"""How far a line is taken to reach beyond an end that is cut off, as round ends will be drawn there. Half-widths"""
 _BEYOND = 1.5
 """How far beyond the line of another stroke the last ink may lie. working px"""
 _LONG = 3.0
@@ -71,6 +77,24 @@ class _Scene:
         return int(place) if gap[place, other] <= reach[other] else None
 
 
+    def tip(self, places: Floats, bare: int, half_width: float) -> float:
+        """How far ink reaches beyond the end of a line: half its width if it is round, less if it is cut off. working px
+
+        Args:
+            places: Along the line, `_STEP` apart. [M, 2] working px
+            bare: The first of them that is not on ink.
+            half_width: Of the line. working px
+        """
+        inside = max(bare - round((_WIDENED + _ROUND * half_width) / _STEP), 0)
+        if half_width < _THICK or inside == 0:
+            return _CUT_OFF * half_width
+        step = places[inside] - places[max(inside - 2, 0)]
+        across = np.array([-step[1], step[0]]) / max(float(np.linalg.norm(step)), 1e-9)
+        sides = places[inside] + np.outer((-1.0, 1.0), _SHOULDER * half_width * across)
+        is_round = (sample(self.ink, sides) <= self.threshold).any()
+        return half_width if is_round else _CUT_OFF * half_width
+
+
 def find_ends(
     nodes: Nodes,
     positions: Floats,
@@ -104,7 +128,8 @@ def find_ends(
         elif basis.is_closed and seen[0][s] == [(0, len(own) - 1)]:
             parts.append(((0.0, 1.0),))
         else:
-            parts.append(_parts(scene, s, (own, basis.u), seen[0][s], _known(own, seen[1][s])))
+            known = None if basis.is_closed else _known(own, seen[1][s])
+            parts.append(_parts(scene, s, (own, basis.u), seen[0][s], known))
     return parts
 
 
@@ -130,18 +155,18 @@ def _known(own: Floats, most_seen: Floats) -> tuple[float, float]:
 
 
 def _parts(
-    scene: _Scene, stroke: int, path: tuple[Floats, Floats], pieces: list[Piece], known: tuple[float, float]
+    scene: _Scene, stroke: int, path: tuple[Floats, Floats], pieces: list[Piece], known: tuple[float, float] | None
 ) -> tuple[Interval, ...]:
-    """Where the seen parts of a stroke begin and end, from the runs of its nodes."""
+    """Where the seen parts of a stroke begin and end, from the runs of its nodes; a closed one has no ends to know."""
     points, u = path
     count, back = len(points), (points[::-1], 1.0 - u[::-1])
     parts: list[Interval] = []
     for k, (first, last) in enumerate(pieces):
-        low, high = (
-            known if len(pieces) == 1 else (known[0] if k == 0 else 0.0, known[1] if k + 1 == len(pieces) else 1.0)
-        )
-        end = _walk_out(scene, stroke, path, (first, last, high))
-        begin = 1.0 - _walk_out(scene, stroke, back, (count - 1 - last, count - 1 - first, 1.0 - low))
+        low = known[0] if known and k == 0 else 0.0
+        high = known[1] if known and k + 1 == len(pieces) else 1.0
+        has_ends = known is not None or first == 0, known is not None or last == count - 1
+        end = _walk_out(scene, stroke, path, (first, last, high), has_ends[1])
+        begin = 1.0 - _walk_out(scene, stroke, back, (count - 1 - last, count - 1 - first, 1.0 - low), has_ends[0])
         parts.append((begin, end) if begin < end else (float(u[first]), float(u[last])))
     return _apart(parts)
 
@@ -157,9 +182,12 @@ def _apart(parts: list[Interval]) -> tuple[Interval, ...]:
     return tuple(joined)
 
 
-def _walk_out(scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tuple[int, int, float]) -> float:
+def _walk_out(
+    scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tuple[int, int, float], has_end: bool
+) -> float:
     """Arc fraction at which the seen part ends, counted towards the end of a path of nodes and their fractions.
 
+    ``has_end`` says whether what is seen may end where the path does; a closed stroke goes on there.
     An end that was never seen may have come to lie under the line that hides it: it is no more seen than before.
     """
     points, u = path
@@ -170,14 +198,14 @@ def _walk_out(scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tup
     at = np.append(np.arange(0.0, along[-1], _STEP), along[-1])
     places = np.stack([np.interp(at, along, points[start : stop + 1, k]) for k in (0, 1)], axis=1)
     bare = np.flatnonzero(sample(scene.ink, places) <= scene.threshold)
-    is_end = stop == len(points) - 1
+    is_end = has_end and stop == len(points) - 1
     if not len(bare) and (seen[2] >= 1.0 or not is_end):
         return 1.0 if is_end else float(u[stop])
     half_width = float(scene.half_width[stroke])
     stop_at = int(bare[0]) if len(bare) else len(at) - 1
     last = np.flatnonzero(at[: stop_at + 1] >= at[stop_at] - 4.0 * half_width - 2.0 * _WIDENED)
     crossing = scene.crossing(stroke, places[last])
-    shown = at[stop_at] - (_WIDENED + 0.5 * half_width if len(bare) else 0.0)
+    shown = at[stop_at] - (_WIDENED + scene.tip(places, stop_at, half_width) if len(bare) else 0.0)
     reach = max(0.0, shown) if crossing is None else at[last[crossing]]
     if crossing is not None and seen[2] < 1.0:
         known = np.interp(seen[2], u[start : stop + 1], along, left=-np.inf, right=np.inf)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Piece", "beside_seam", "find_pieces", "runs"]
+__all__ = ["Piece", "find_pieces", "find_ring_pieces", "runs"]
 
 Bools = NDArray[np.bool_]
 
@@ -20,6 +20,8 @@ _ISLAND = 1.6
 """Widths up to which ink between two gaps is of what made them: a line that crosses with bare paper at its sides."""
 _OWN = 0.3
 """Share of the nodes of a run that must be the nearest of some ink."""
+_CAP = 0.6
+"""Widths from its end up to which a line's round cap supports nodes."""
 _BEYOND = 0.6
 """The same for a run beyond what would be seen without gaps."""
 
@@ -35,8 +37,7 @@ def find_pieces(main: Piece, inked: Bools, bare: Bools, chosen: Bools, width: fl
         width: Of the stroke. Nodes
 
     Returns:
-        One run or more in their order; none if the stroke is not seen. The seam of a closed stroke, if it is seen, is
-        where the last run ends and the first begins.
+        One run or more in their order; none if the stroke is not seen.
     """
     if main[1] < main[0]:
         return []
@@ -49,19 +50,52 @@ def find_pieces(main: Piece, inked: Bools, bare: Bools, chosen: Bools, width: fl
     return seen
 
 
-def beside_seam(inked: Bools, bare: Bools) -> Piece:
-    """All nodes of a closed stroke, or those between the ends of a gap over its seam.
+def find_ring_pieces(main: Piece, inked: Bools, bare: Bools, chosen: Bools, width: float) -> list[Piece]:
+    """The runs of a closed stroke that are seen: as of one that is opened in the middle of its longest gap.
+
+    A run over the seam comes as two, unless all that lies on one side of it is the round cap of the other.
 
     Args:
-        inked: Which nodes lie on ink. bool [n]
-        bare: Which lie on bare paper. bool [n]
+        main: See `find_pieces`, as for all others; what is seen without a gap may be all of it.
+        inked: bool [n]
+        bare: bool [n]
+        chosen: bool [n]
+        width: Nodes
     """
-    on_ink = np.flatnonzero(inked)
-    if not len(on_ink):
-        return 0, len(inked) - 1
-    first, last = int(on_ink[0]), int(on_ink[-1])
-    is_gap = bare[:first].sum() + bare[last + 1 :].sum() >= _BARE
-    return (first, last) if is_gap else (0, len(inked) - 1)
+    if main[1] < main[0]:
+        return []
+    count, turn = len(inked), _in_longest_gap(inked & ~bare, bare)
+    if turn is None:
+        return [main]
+    inked, bare, chosen = (np.roll(values, -turn) for values in (inked, bare, chosen))
+    at = (np.arange(count) + turn) % count
+    shown = _without_islands(_without_short_gaps(inked & ~bare, bare), width)
+    seen: list[Piece] = []
+    for first, last in runs(shown):
+        of_main = bool(((at[first : last + 1] >= main[0]) & (at[first : last + 1] <= main[1])).any())
+        if last - first + 1 >= _RUN and chosen[first : last + 1].mean() >= (_OWN if of_main else _BEYOND):
+            seen += _unrolled(int(at[first]), int(at[last]), count, _CAP * width)
+    return sorted(seen) or [main]
+
+
+def _unrolled(first: int, last: int, count: int, cap: float) -> list[Piece]:
+    """A run of a closed stroke as one run of its nodes, or two if it goes over the seam."""
+    if first <= last:
+        return [(first, last)]
+    after, before = (0, last), (first, count - 1)
+    sides = [side for side in (after, before) if side[1] - side[0] + 1 > cap]
+    return sides or [max(after, before, key=lambda side: side[1] - side[0])]
+
+
+def _in_longest_gap(inked: Bools, bare: Bools) -> int | None:
+    """A node in the middle of the longest gap of a closed stroke that shows paper; none if there is no such gap."""
+    count = len(inked)
+    start = int(np.argmax(inked))  # on ink, so that no gap goes over the end
+    gaps = [gap for gap in runs(~np.roll(inked, -start)) if np.roll(bare, -start)[gap[0] : gap[1] + 1].sum() >= _BARE]
+    if not gaps:
+        return None
+    first, last = max(gaps, key=lambda gap: gap[1] - gap[0])
+    return (start + (first + last) // 2) % count
 
 
 def _is_seen(run: Piece, main: Piece, chosen: Bools) -> bool:

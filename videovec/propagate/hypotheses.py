@@ -117,7 +117,9 @@ def _best_start(
     follows = source.weight > 0
     if follows.any():
         scene = scene_of(target, np.ones(len(target)))
-        motions = find_motions(scene, source.rest[follows], tangents[follows], _TURNS, _KEEP)
+        rest = source.rest[follows]
+        motions = find_motions(scene, rest, tangents[follows], _TURNS, _KEEP)
+        motions = [motion for motion in motions if _is_leap_plausible(rest, motion.apply(rest), target)]
         starts.extend(motion.apply(source.rest) for motion in motions)
     for start in starts:
         positions = register(source, target, start, (COARSE, FINE))

@@ -8,16 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from videovec.propagate.ends import widened
 from videovec.propagate.front import behind, passed_over, untied, without
 from videovec.propagate.hypotheses import moved_on, place, place_growing
+from videovec.propagate.judge import between_nodes
+from videovec.propagate.kernels import nearest
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.predict import Hold
 from videovec.propagate.registration import SETTLE, SIMILAR, Source, parted, register
 from videovec.propagate.residual import find_residual
 from videovec.propagate.support import Inks, Support
-from videovec.propagate.target import Target
+from videovec.propagate.target import Target, sample
 
-__all__ = ["Found", "emerging", "find", "settled"]
+__all__ = ["Found", "emerging", "find", "is_still", "settled"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -30,6 +33,14 @@ _AROUND = 10.0
 """How far from where it waits a hidden part of a stroke is looked for, and a steady edge is found. working px"""
 _ALIKE = 0.8
 """Cosine of the largest angle between it and the ink that it may be."""
+_ERASED = 2
+"""Nodes of seen parts that must lie on bare paper for something to be erased."""
+_EVERY = 2
+"""Pixels from one to the next that is looked at."""
+_BESIDE = 2.0
+"""How far ink may reach beyond the line of a stroke that stands still. working px"""
+_STRANGE = 0.04
+"""Share of the ink that may lie elsewhere."""
 _FEWEST = 2
 """Nodes that must have such ink for a stroke to be moved there."""
 
@@ -72,6 +83,8 @@ def find(
         grows: Whether less of the strokes may be drawn there.
     """
     nodes, front, search = source.nodes, strokes[0], place_growing if grows else place
+    if not front.any() and is_still(source, strokes[1], targets[1]):
+        return Found(source, source, source.rest, _inks(targets[1], nodes, source.rest, strokes), front)
     passed = passed_over(nodes, ways[:2], ways[2], front)
     ahead = replace(untied(source, front), weight=np.where(passed, 0.0, source.weight))
     steady = _as_before(ahead, targets[1], velocity, front)
@@ -82,6 +95,27 @@ def find(
     passed = passed_over(nodes, ways[:2], positions, front)
     loose, positions = search(behind(source, positions, front, passed), ink.own, targets[0], velocity)
     return Found(ahead, loose, positions, ink, nodes.shares(passed) > 0)
+
+
+def is_still(source: Source, half_width: Floats, target: Target) -> bool:
+    """Whether lines are only erased and drawn on: some ink is gone, and all that is left is where strokes were.
+
+    Registered, what has lost its ink would pull the rest along its line.
+
+    Args:
+        source: The strokes, at rest; hidden parts count as well.
+        half_width: Of each. [S] working px
+        target: The drawing.
+    """
+    nodes = source.nodes
+    bare = (source.weight > 0) & (sample(widened(target), source.rest) <= target.threshold)
+    if not len(target) or bare.sum() < _ERASED:
+        return False
+    row, column = np.nonzero(target.ink[::_EVERY, ::_EVERY] > target.threshold)
+    inked = _EVERY * np.stack([column, row], axis=1) + 0.5
+    dense, owner = between_nodes(nodes, source.rest)
+    found, squared = nearest(inked, np.ascontiguousarray(dense), np.zeros(len(inked), np.int64))
+    return bool(np.mean(np.sqrt(squared) - half_width[nodes.stroke[owner[found]]] > _BESIDE) <= _STRANGE)
 
 
 def _as_before(source: Source, target: Target, velocity: Floats, front: Bools) -> Floats | None:

@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 _SHORT = 0.5
-"""Share of a stroke up to which it may be seen on one drawing for any less of it to be the stroke on the next."""
+"""Share of a stroke up to which it may be seen on one drawing for any bit of it to be the stroke when it is seen next."""
 _MOST = 0.7
 """Share of a stroke that must be seen for it to be squeezed on the next drawing; else it is hidden by something."""
 
@@ -67,6 +67,11 @@ class Follower:
     def half_width(self, drawing: int) -> float:
         """Mean half-width on a drawing. px"""
         return float(self.life.rows[drawing].half_width.mean())
+
+    def last_seen(self, before: int, after: int) -> float:
+        """Share that was seen when something was seen last, on the way from one drawing to the next."""
+        row = self.life.rows.get(before - self.unseen * (after - before))
+        return row.seen if row else 1.0
 
 
 def follow(life: Life, drawing: int, spacing: float, scale: float = 1.0, before: int | None = None) -> Follower:
@@ -130,7 +135,7 @@ def carry(
     velocity = _stacked([follower.velocity for follower in followers])
     onward = momentum.goal, source.rest + velocity
     found = find(source, (here.rest, *onward), (front, half_width), targets, velocity, grows)
-    past = _past(followers, rows, (momentum, onward[1]), grows | found.little)
+    past = _past(followers, step, (momentum, onward[1]), grows | found.little)
     support = find_support(nodes, found.positions, half_width, found.ink, past)
     hold = predict_hidden([f.life for f in followers], nodes, found.positions, support, (before, after, scale), front)
     rest, positions, is_still = source.rest, found.positions, grows and found.positions is source.rest
@@ -220,14 +225,14 @@ def _stacked(parts: list[Floats]) -> Floats:
     return np.concatenate([np.zeros((0, 2)), *parts])
 
 
-def _past(followers: list[Follower], rows: list[Row], onward: tuple[Momentum, Floats], little: Bools) -> Past:
+def _past(followers: list[Follower], step: tuple[int, int], onward: tuple[Momentum, Floats], little: Bools) -> Past:
     """What is known of strokes.
 
     ``onward`` are their momentum, and where nodes would be by the last step; ``little`` says of which strokes any bit
     may be all that is seen.
     """
     most_seen = np.array([follower.life.most_seen for follower in followers]).reshape(-1, 2)
-    least = np.array([0.0 if 0.0 < row.seen <= _SHORT else SEEN for row in rows])
+    least = np.array([0.0 if follower.last_seen(*step) <= _SHORT else SEEN for follower in followers])
     least[little] = 0.0
     return Past(most_seen, least, onward[0].merged, onward[1])
 

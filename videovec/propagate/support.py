@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.propagate.ends import find_ends, widened
-from videovec.propagate.gaps import Piece, beside_seam, find_pieces
+from videovec.propagate.gaps import Piece, find_pieces, find_ring_pieces
 from videovec.propagate.kernels import nearest
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.record import Interval
@@ -152,12 +152,11 @@ def find_support(nodes: Nodes, positions: Floats, half_width: Floats, ink: Inks,
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
         share[s] = supported[own].mean()
         main = _interval(supported[own], basis.is_closed, float(past.least[s]))
-        if basis.is_closed and main == (0, len(basis.u) - 1):
-            main = beside_seam(supported[own], bare[own])
         if claimed[own][main[0] : main[1] + 1].sum() < _OWN * (main[1] + 1 - main[0]):
             main = 0, -1
         width = 2.0 * float(half_width[s]) / _spacing(positions[own])
-        pieces.append(find_pieces(main, supported[own], bare[own], chosen[own], width))
+        find = find_ring_pieces if basis.is_closed else find_pieces
+        pieces.append(find(main, supported[own], bare[own], chosen[own], width))
     visible = find_ends(nodes, positions, half_width, (pieces, past.most_seen), target)
     return Support(supported, shown_nodes(nodes, pieces, visible), tuple(visible), share, claimed)
 

@@ -35,7 +35,7 @@ _CUT = 0.5
 _LOST = 0.15
 """Share of strokes that must be without ink then: a drawing that only gains ink is the same shot."""
 
-_SAME = 0.8
+_SAME = 0.5
 """Share of one drawing's lines on the other's ink from which on lines were only erased or drawn on."""
 _BLANK = 0.002
 """Share of the most ink of any drawing up to which a page is blank."""
