@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -185,7 +186,7 @@ def _spline(shape: Json) -> Path:
     closed = bool(shape.get("c"))
     order = np.append(np.arange(len(vertices)), 0) if closed else np.arange(len(vertices))
     points = [vertices[:1]]
-    for a, b in zip(order[:-1], order[1:], strict=True):
+    for a, b in pairwise(order):
         points.append(np.stack([vertices[a] + leave[a], vertices[b] + enter[b], vertices[b]]))
     return Path(np.concatenate(points), closed)
 
@@ -211,7 +212,12 @@ def _rectangle(item: Json, time: float) -> Path:
     upper = [(-x, -y + r), (-x, -y + c), (-x + c, -y), (-x + r, -y)]
     right = [(x - r, -y), (x - c, -y), (x, -y + c), (x, -y + r)]
     points = [np.array(quarter[0], float)]
-    for arc, line_to in ((quarter[2:], quarter[1]), (lower[1:], lower[0]), (upper[1:], upper[0]), (right[1:], right[0])):
+    for arc, line_to in (
+        (quarter[2:], quarter[1]),
+        (lower[1:], lower[0]),
+        (upper[1:], upper[0]),
+        (right[1:], right[0]),
+    ):
         a, b = points[-1], np.array(line_to, float)
         points += [a + (b - a) / 3, a + (b - a) * 2 / 3, b, *(np.array(p, float) for p in arc)]
     return Path(np.stack(points) + centre, True)
@@ -287,7 +293,7 @@ def _shape(value: Json, time: float) -> Json:
 
 
 def _between(keys: list[Json], time: float) -> tuple[Json, Json, Floats, Json]:
-    """What stands before and after a time, how far the time is between them (a number a dimension), and the keyframe."""
+    """What stands before and after a time, how far it is between them (a number a dimension), and the keyframe."""
     at = max((n for n, key in enumerate(keys) if key["t"] <= time), default=0)
     key, after = keys[at], keys[at + 1] if at + 1 < len(keys) else None
     if time <= key["t"] or after is None or "s" not in key or key.get("h"):

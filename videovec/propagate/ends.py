@@ -76,14 +76,16 @@ class _Scene:
         place, other = np.unravel_index(int(gap.argmin()), gap.shape)
         return int(place) if gap[place, other] <= reach[other] else None
 
-
     def tip(self, places: Floats, bare: int, half_width: float) -> float:
-        """How far ink reaches beyond the end of a line: half its width if it is round, less if it is cut off. working px
+        """How far ink reaches beyond the end of a line: half its width if that is round, less if it is cut off.
 
         Args:
             places: Along the line, `_STEP` apart. [M, 2] working px
             bare: The first of them that is not on ink.
             half_width: Of the line. working px
+
+        Returns:
+            The distance. working px
         """
         inside = max(bare - round((_WIDENED + _ROUND * half_width) / _STEP), 0)
         if half_width < _THICK or inside == 0:

@@ -70,8 +70,8 @@ def covering(
         if not others.any():
             break
         for node, step in places:
-            inside = min(max(node - step, 0), len(positions) - 1)
-            reach = np.linalg.norm(positions[node] - positions[inside])
+            inside = int(np.clip(node - step, 0, len(positions) - 1))
+            reach = float(np.linalg.norm(positions[node] - positions[inside]))
             end = positions[node] + 0.5 * (positions[node + step] - positions[node])
             gap = np.linalg.norm(dense[others] - end, axis=1)
             nearest_node = int(owner[others][int(gap.argmin())])

@@ -34,7 +34,7 @@ _AROUND = 10.0
 _ALIKE = 0.8
 """Cosine of the largest angle between it and the ink that it may be."""
 _ERASED = 2
-"""Nodes of seen parts that must lie on bare paper for something to be erased."""
+"""Nodes of seen parts on bare paper, and of hidden ones on ink, from which on something is erased or drawn on."""
 _EVERY = 2
 """Pixels from one to the next that is looked at."""
 _BESIDE = 2.0
@@ -98,9 +98,9 @@ def find(
 
 
 def is_still(source: Source, half_width: Floats, target: Target) -> bool:
-    """Whether lines are only erased and drawn on: some ink is gone, and all that is left is where strokes were.
+    """Whether lines are only erased and drawn on: some are seen no longer, or again, and all ink is where they were.
 
-    Registered, what has lost its ink would pull the rest along its line.
+    Registered, what has lost its ink, or found it again, would pull the rest along its line.
 
     Args:
         source: The strokes, at rest; hidden parts count as well.
@@ -108,11 +108,11 @@ def is_still(source: Source, half_width: Floats, target: Target) -> bool:
         target: The drawing.
     """
     nodes = source.nodes
-    bare = (source.weight > 0) & (sample(widened(target), source.rest) <= target.threshold)
-    if not len(target) or bare.sum() < _ERASED:
+    is_bare = sample(widened(target), source.rest) <= target.threshold
+    if not len(target) or np.sum(is_bare == (source.weight > 0)) < _ERASED:
         return False
     row, column = np.nonzero(target.ink[::_EVERY, ::_EVERY] > target.threshold)
-    inked = _EVERY * np.stack([column, row], axis=1) + 0.5
+    inked = np.stack([column, row], axis=1).astype(np.float64) * _EVERY + 0.5
     dense, owner = between_nodes(nodes, source.rest)
     found, squared = nearest(inked, np.ascontiguousarray(dense), np.zeros(len(inked), np.int64))
     return bool(np.mean(np.sqrt(squared) - half_width[nodes.stroke[owner[found]]] > _BESIDE) <= _STRANGE)

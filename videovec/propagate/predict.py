@@ -40,7 +40,7 @@ _OTHERWISE = 6.0
 _STEADY = 0.05
 """Say of its turn so far, and of no change of size, in the spread of its nodes when all of them have a say of 1."""
 _STILL, _AS_WELL = 0.7, 1.25
-"""Distance off their lines, and factor of that after a similarity, at which nodes bear out a simpler motion. working px"""
+"""Distance off their lines, working px, and factor of that after a similarity, up to which a simpler motion will do."""
 _FEWEST = 4.0
 """Sum of says below which nothing is known."""
 _FIRM = 10.0
@@ -65,6 +65,12 @@ class Hold:
         """The same, with some nodes held firmly where they are."""
         stiffness = np.where(which, _FIRM, self.stiffness)
         return Hold(np.where(which[:, None], positions, self.goal), stiffness)
+
+    def resting(self, positions: Floats, seen: NDArray[np.bool_]) -> Hold:
+        """The same, with nodes of which nothing is expected drawn to where they are."""
+        free = self.stiffness == 0
+        stiffness = np.where(free, np.where(seen, _SEEN, _UNSEEN), self.stiffness)
+        return Hold(np.where(free[:, None], positions, self.goal), stiffness)
 
 
 def predict_hidden(
@@ -208,7 +214,9 @@ def _simplest(
 
     most = max(_STILL, _AS_WELL * misfit(similarity))
     shift = 1.0 + 0.0j, complex(weight @ (b - a) / weight.sum())
-    return next(motion for motion in ((1.0 + 0.0j, 0.0j), shift, similarity) if motion is similarity or misfit(motion) <= most)
+    return next(
+        motion for motion in ((1.0 + 0.0j, 0.0j), shift, similarity) if motion is similarity or misfit(motion) <= most
+    )
 
 
 def _similarity(

@@ -14,15 +14,21 @@ from videovec.propagate.record import Interval, Life, Row
 __all__ = ["move_seam"]
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 _PLACES = 256
 """Places along a stroke that are looked at."""
+_CRUMB = 1.5
+"""Half-widths up to which a part beside the seam is only the round end of what lies on its other side."""
 _EDGE = 1e-3
 """Of a segment; a seam so near to a joint is one at the joint."""
 
 
 def move_seam(life: Life) -> None:
-    """Move the seam of a closed life to the place that is hidden most often, if its own is hidden less often.
+    """Move the seam of a closed life to where it parts what is seen on the fewest drawings.
+
+    What is left of a ring that is erased from one place on, and what is drawn of it from there, are one part each if
+    that place is its seam.
 
     Args:
         life: A life; one that is open, or never hidden away from its seam, stays as it is.
@@ -30,28 +36,40 @@ def move_seam(life: Life) -> None:
     if not life.is_closed or not any(row.gaps for row in life.rows.values()):
         return
     u = (np.arange(_PLACES) + 0.5) / _PLACES
-    seen = [row for row in life.rows.values() if row.parts]
-    hidden = np.sum([~_is_shown(row, u) for row in seen], axis=0)
-    if hidden.max() <= min(hidden[0], hidden[-1]):
+    partly = [row for row in life.rows.values() if row.parts and row.parts != ((0.0, 1.0),)]
+    shown = np.array([_is_shown(row, u) for row in partly])
+    home = min((row for row in partly if row.gaps), key=lambda row: row.seen)
+    crumb = _CRUMB * float(home.half_width.mean()) / max(arc_length(home.points), 1e-9)
+    cost = _depth(shown, int(np.ceil(crumb * _PLACES))).sum(axis=0)
+    if cost.min() >= max(cost[0], cost[-1]):
         return
-    home = min((row for row in seen if row.gaps), key=lambda row: row.seen)
-    segment, t = parameter_at(home.points, np.array([u[_middle(hidden == hidden.max())]]))
+    segment, t = parameter_at(home.points, np.array([u[_middle(cost == cost.min())]]))
     for drawing, row in life.rows.items():
-        life.rows[drawing] = _opened_at(row, int(segment[0]), float(t[0]))
+        life.rows[drawing] = _opened_at(row, int(segment[0]), float(t[0]), crumb)
 
 
-def _is_shown(row: Row, u: Floats) -> NDArray[np.bool_]:
+def _is_shown(row: Row, u: Floats) -> Bools:
     return np.asarray(np.any([(u >= begin) & (u <= end) for begin, end in row.parts], axis=0))
 
 
-def _middle(values: NDArray[np.bool_]) -> int:
+def _depth(shown: Bools, most: int) -> NDArray[np.intp]:
+    """How far inside seen parts of closed strokes places lie, up to ``most``. int [D, P]"""
+    depth = shown.astype(np.intp)
+    inside = shown
+    for k in range(1, most):
+        inside = inside & np.roll(shown, k, axis=1) & np.roll(shown, -k, axis=1)
+        depth += inside
+    return depth
+
+
+def _middle(values: Bools) -> int:
     """The middle of the longest run."""
     first, last = max(runs(values), key=lambda run: run[1] - run[0])
     return (first + last) // 2
 
 
-def _opened_at(row: Row, segment: int, t: float) -> Row:
-    """The same closed curve, begun in a segment at a parameter."""
+def _opened_at(row: Row, segment: int, t: float, crumb: float) -> Row:
+    """The same closed curve, begun in a segment at a parameter; parts up to a share of it that this cuts off are none."""
     pieces = segments_of(row.points)
     length = [arc_length(row.points[: 3 * segment + 1]) if segment else 0.0, arc_length(row.points)]
     if t <= _EDGE or t >= 1 - _EDGE:
@@ -68,10 +86,10 @@ def _opened_at(row: Row, segment: int, t: float) -> Row:
         length[0] += arc_length(before)
     points = np.concatenate([turned[0, :1], turned[:, 1:].reshape(-1, 2)])
     shift = length[0] / max(length[1], 1e-9)
-    return replace(row, points=points, half_width=half_width).showing(_shifted(row.parts, shift))
+    return replace(row, points=points, half_width=half_width).showing(_shifted(row.parts, shift, crumb))
 
 
-def _shifted(parts: tuple[Interval, ...], shift: float) -> list[Interval]:
+def _shifted(parts: tuple[Interval, ...], shift: float, crumb: float) -> list[Interval]:
     """Parts of a closed stroke, in fractions from another seam."""
     if not parts or parts == ((0.0, 1.0),):
         return list(parts)
@@ -81,5 +99,6 @@ def _shifted(parts: tuple[Interval, ...], shift: float) -> list[Interval]:
     for begin, end in ring:
         start = (begin - shift) % 1.0
         stop = start + end - begin
-        moved += [(start, stop)] if stop <= 1.0 else [(start, 1.0), (0.0, stop - 1.0)]
+        cut = [(start, stop)] if stop <= 1.0 else [(start, 1.0), (0.0, stop - 1.0)]
+        moved += [part for part in cut if part[1] - part[0] > crumb or len(cut) == 1]
     return sorted(moved)

@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 _SHORT = 0.5
-"""Share of a stroke up to which it may be seen on one drawing for any bit of it to be the stroke when it is seen next."""
+"""Share of a stroke up to which it may be seen for any bit of it to be the stroke when it is seen next."""
 _MOST = 0.7
 """Share of a stroke that must be seen for it to be squeezed on the next drawing; else it is hidden by something."""
 
@@ -138,6 +138,7 @@ def carry(
     past = _past(followers, step, (momentum, onward[1]), grows | found.little)
     support = find_support(nodes, found.positions, half_width, found.ink, past)
     hold = predict_hidden([f.life for f in followers], nodes, found.positions, support, (before, after, scale), front)
+    hold = hold.resting(source.rest, support.shown) if found.positions is source.rest else hold
     rest, positions, is_still = source.rest, found.positions, grows and found.positions is source.rest
     ink, squeezes = found.ink, dict[int, Floats]()
     if not is_still:

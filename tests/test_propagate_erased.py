@@ -1,0 +1,127 @@
+"""Thick lines that are erased and drawn on again, and what is left of them: where that is and what it is not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from videovec.curves import sample_by_arc
+from videovec.initialise import initialise
+from videovec.ink import Ink
+from videovec.propagate import propagate
+from videovec.propagate.gaps import find_ring_pieces
+from videovec.settings import InitialiseSettings, PropagateSettings
+from videovec.strokes import Strokes
+
+Floats = NDArray[np.float64]
+Part = tuple[float, float]
+
+SIZE, WIDTH = 200, 16.0
+
+
+def ring(u: Floats) -> Floats:
+    """A circle, from its top clockwise. [N, 2]"""
+    return np.stack([100 + 70 * np.sin(2 * np.pi * u), 100 - 70 * np.cos(2 * np.pi * u)], axis=-1)
+
+
+def zigzag(u: Floats) -> Floats:
+    """Straight lines with sharp corners. [N, 2]"""
+    corners = np.array([(25, 100), (50, 100), (75, 40), (120, 160), (145, 100), (175, 100)], float)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
+    return np.stack([np.interp(u * along[-1], along, corners[:, k]) for k in (0, 1)], axis=-1)
+
+
+def page(curve: Callable[[Floats], Floats], parts: list[Part]) -> NDArray[np.uint8]:
+    """Coverage of parts of a line with round ends, by supersampling."""
+    scale = 4
+    image = np.zeros((SIZE * scale, SIZE * scale), np.uint8)
+    for begin, end in parts:
+        at = np.round((curve(np.linspace(begin, end, 400)) * scale - 0.5) * 16).astype(np.int32)
+        cv2.polylines(image, [at], False, 255, round(WIDTH * scale), cv2.LINE_AA, 4)
+    return np.asarray(cv2.resize(image, (SIZE, SIZE), interpolation=cv2.INTER_AREA), np.uint8)
+
+
+def carried(pages: list[NDArray[np.uint8]], seed: int = 0) -> Strokes:
+    """Strokes of one of some drawings over all of them."""
+    coverage = np.stack(pages)
+    ink = Ink(coverage, np.zeros_like(coverage), np.zeros((1, 3)), np.ones(3), 0.0)
+    trace = partial(initialise, settings=InitialiseSettings())
+    return propagate(ink, trace(ink, seed), PropagateSettings(refine_steps=12), trace).strokes
+
+
+def shown_points(strokes: Strokes, drawing: int) -> Floats:
+    """Points half a pixel apart on all that is seen. [N, 2]"""
+    found = [np.zeros((0, 2))]
+    for row in strokes.rows_at(drawing).tolist():
+        begin, end = strokes.visible[row]
+        u = np.linspace(0.0, 1.0, 801)
+        found.append(sample_by_arc(strokes.points_of(row), 801)[(u >= begin) & (u <= end) & (end > begin)])
+    return np.concatenate(found)
+
+
+def farthest(points: Floats, others: Floats) -> float:
+    """How far some points lie from others at most."""
+    return float(np.linalg.norm(points[:, None] - others, axis=2).min(axis=1).max())
+
+
+ERASED = [(0.0, 1.0), (0.06, 1.0), (0.15, 1.0), (0.4, 1.0), (0.7, 1.0), (0.9, 1.0)]
+AGAIN = [(0.0, 0.05), (0.0, 0.15), (0.0, 0.3), (0.0, 0.6), (0.0, 0.85), (0.0, 0.93), (0.0, 1.0)]
+
+
+@pytest.mark.parametrize(
+    ("drawings", "seed"),
+    [(ERASED, 0), ([*ERASED, *AGAIN], 0), (AGAIN, len(AGAIN) - 1)],
+    ids=["erased", "erased and drawn again", "drawn"],
+)
+def test_what_is_left_of_a_ring_is_seen_to_its_round_ends(drawings: list[Part], seed: int) -> None:
+    strokes = carried([page(ring, [part]) for part in drawings], seed)
+    assert len(strokes) == 1
+    for drawing, part in enumerate(drawings):
+        true, seen = ring(np.linspace(*part, 400)), shown_points(strokes, drawing)
+        assert farthest(true, seen) < 3.0, drawing
+        assert farthest(seen, true) < 3.0, drawing
+
+
+def test_a_line_with_corners_that_is_erased_and_drawn_again_stays_where_it_was() -> None:
+    drawings = [*ERASED, *AGAIN]
+    strokes = carried([page(zigzag, [part]) for part in drawings])
+    assert len(strokes) == 1
+    for drawing in range(len(drawings)):
+        whole = sample_by_arc(strokes.points_of(strokes.row(0, drawing)), 400)
+        assert farthest(whole, zigzag(np.linspace(0, 1, 800))) < 4.0, drawing
+
+
+def test_a_bit_that_is_left_does_not_leap_to_like_ink_across_the_page() -> None:
+    left, right = (0.86, 1.0), (0.0, 0.1)
+    strokes = carried([page(zigzag, parts) for parts in ([(0.0, 1.0)], [(0.5, 1.0)], [left], [right], [right])])
+    kept = [row for row in (strokes.row(0, 2),) if strokes.visible[row, 1] > strokes.visible[row, 0]]
+    assert farthest(shown_points(strokes, 2), zigzag(np.linspace(*left, 200))) < 4.0
+    assert kept
+    if strokes.layout.last[0] >= 3:
+        whole = sample_by_arc(strokes.points_of(strokes.row(0, 3)), 400)
+        assert farthest(whole, zigzag(np.linspace(0, 1, 800))) < 6.0
+
+
+@pytest.mark.parametrize("gap", [(5, 12), (30, 44), (52, 59), (57, 3)])
+def test_pieces_of_a_ring_leave_out_its_gap_wherever_that_is(gap: tuple[int, int]) -> None:
+    """Caps support three nodes beyond each end of what is drawn; those over the seam alone are no piece."""
+    count, width = 60, 6.0
+    inside = (np.arange(count) - gap[0]) % count < (gap[1] - gap[0]) % count
+    pieces = find_ring_pieces((0, count - 1), ~inside, inside, ~inside, width)
+    seen = np.zeros(count, bool)
+    for first, last in pieces:
+        seen[first : last + 1] = True
+    assert not seen[inside].any()
+    assert (~seen & ~inside).sum() <= round(0.6 * width)
+    assert len(pieces) <= 2
+
+
+def test_a_ring_without_a_gap_is_one_piece() -> None:
+    inked = np.ones(60, bool)
+    inked[20:25] = False  # another line is nearer, but there is no paper
+    assert find_ring_pieces((0, 59), inked, np.zeros(60, bool), np.ones(60, bool), 6.0) == [(0, 59)]
