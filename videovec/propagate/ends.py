@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.propagate.gaps import Piece
+from videovec.propagate.gaps import Piece, nodes_of
 from videovec.propagate.judge import between_nodes
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.record import Interval
@@ -130,8 +130,11 @@ def find_ends(
         elif basis.is_closed and seen[0][s] == [(0, len(own) - 1)]:
             parts.append(((0.0, 1.0),))
         else:
-            known = None if basis.is_closed else _known(own, seen[1][s])
-            parts.append(_parts(scene, s, (own, basis.u), seen[0][s], known))
+            path = own, basis.u
+            if basis.is_closed:
+                parts.append(_ring_parts(scene, s, path, seen[0][s]))
+            else:
+                parts.append(_parts(scene, s, path, seen[0][s], _known(own, seen[1][s])))
     return parts
 
 
@@ -143,9 +146,9 @@ def widened(target: Target) -> Image:
 def _shown(nodes: Nodes, dense: Floats, owner: Ints, seen: list[list[Piece]]) -> tuple[Floats, Ints]:
     """The points on seen runs [K, 2], and their strokes [K]."""
     shown = np.zeros(len(nodes), bool)
-    for start, pieces in zip(nodes.starts, seen, strict=False):
-        for first, last in pieces:
-            shown[start + first : start + last + 1] = True
+    for start, stop, pieces in zip(nodes.starts[:-1], nodes.starts[1:], seen, strict=True):
+        for piece in pieces:
+            shown[start + nodes_of(piece, stop - start)] = True
     return dense[shown[owner]], nodes.stroke[owner[shown[owner]]]
 
 
@@ -157,20 +160,38 @@ def _known(own: Floats, most_seen: Floats) -> tuple[float, float]:
 
 
 def _parts(
-    scene: _Scene, stroke: int, path: tuple[Floats, Floats], pieces: list[Piece], known: tuple[float, float] | None
+    scene: _Scene, stroke: int, path: tuple[Floats, Floats], pieces: list[Piece], known: tuple[float, float]
 ) -> tuple[Interval, ...]:
-    """Where the seen parts of a stroke begin and end, from the runs of its nodes; a closed one has no ends to know."""
+    """Where the seen parts of a stroke begin and end, from the runs of its nodes."""
     points, u = path
     count, back = len(points), (points[::-1], 1.0 - u[::-1])
     parts: list[Interval] = []
     for k, (first, last) in enumerate(pieces):
-        low = known[0] if known and k == 0 else 0.0
-        high = known[1] if known and k + 1 == len(pieces) else 1.0
-        has_ends = known is not None or first == 0, known is not None or last == count - 1
-        end = _walk_out(scene, stroke, path, (first, last, high), has_ends[1])
-        begin = 1.0 - _walk_out(scene, stroke, back, (count - 1 - last, count - 1 - first, 1.0 - low), has_ends[0])
+        low, high = (
+            known if len(pieces) == 1 else (known[0] if k == 0 else 0.0, known[1] if k + 1 == len(pieces) else 1.0)
+        )
+        end = _walk_out(scene, stroke, path, (first, last, high))
+        begin = 1.0 - _walk_out(scene, stroke, back, (count - 1 - last, count - 1 - first, 1.0 - low))
         parts.append((begin, end) if begin < end else (float(u[first]), float(u[last])))
     return _apart(parts)
+
+
+def _ring_parts(scene: _Scene, stroke: int, path: tuple[Floats, Floats], pieces: list[Piece]) -> tuple[Interval, ...]:
+    """Where the seen parts of a closed stroke with gaps begin and end; one over the seam is two parts."""
+    count = len(path[1])
+    points, u = np.tile(path[0], (3, 1)), np.concatenate([path[1] - 1.0, path[1], path[1] + 1.0])
+    parts: list[Interval] = []
+    for first, last in pieces:
+        start, stop = first + count, last + count
+        end = _walk_out(scene, stroke, (points, u), (start, stop, np.inf))
+        begin = -_walk_out(
+            scene, stroke, (points[::-1], -u[::-1]), (3 * count - 1 - stop, 3 * count - 1 - start, np.inf)
+        )
+        begin, end = (begin, end) if begin < end else (float(u[start]), float(u[stop]))
+        turns = float(np.floor(begin))
+        begin, end = begin - turns, end - turns
+        parts += [(begin, end)] if end <= 1.0 else [(begin, 1.0), (0.0, end - 1.0)]
+    return _apart(sorted(parts))
 
 
 def _apart(parts: list[Interval]) -> tuple[Interval, ...]:
@@ -184,12 +205,10 @@ def _apart(parts: list[Interval]) -> tuple[Interval, ...]:
     return tuple(joined)
 
 
-def _walk_out(
-    scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tuple[int, int, float], has_end: bool
-) -> float:
+def _walk_out(scene: _Scene, stroke: int, path: tuple[Floats, Floats], seen: tuple[int, int, float]) -> float:
     """Arc fraction at which the seen part ends, counted towards the end of a path of nodes and their fractions.
 
-    ``has_end`` says whether what is seen may end where the path does; a closed stroke goes on there.
+    ``seen`` is the run and the fraction at which the most that was ever seen ends; none of a closed stroke.
     An end that was never seen may have come to lie under the line that hides it: it is no more seen than before.
     """
     points, u = path
@@ -200,7 +219,7 @@ def _walk_out(
     at = np.append(np.arange(0.0, along[-1], _STEP), along[-1])
     places = np.stack([np.interp(at, along, points[start : stop + 1, k]) for k in (0, 1)], axis=1)
     bare = np.flatnonzero(sample(scene.ink, places) <= scene.threshold)
-    is_end = has_end and stop == len(points) - 1
+    is_end = stop == len(points) - 1
     if not len(bare) and (seen[2] >= 1.0 or not is_end):
         return 1.0 if is_end else float(u[stop])
     half_width = float(scene.half_width[stroke])

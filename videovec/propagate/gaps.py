@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Piece", "find_pieces", "find_ring_pieces", "runs"]
+__all__ = ["Piece", "find_pieces", "find_ring_pieces", "nodes_of", "runs"]
 
 Bools = NDArray[np.bool_]
 
@@ -20,8 +20,6 @@ _ISLAND = 1.6
 """Widths up to which ink between two gaps is of what made them: a line that crosses with bare paper at its sides."""
 _OWN = 0.3
 """Share of the nodes of a run that must be the nearest of some ink."""
-_CAP = 0.6
-"""Widths from its end up to which a line's round cap supports nodes."""
 _BEYOND = 0.6
 """The same for a run beyond what would be seen without gaps."""
 
@@ -53,14 +51,15 @@ def find_pieces(main: Piece, inked: Bools, bare: Bools, chosen: Bools, width: fl
 def find_ring_pieces(main: Piece, inked: Bools, bare: Bools, chosen: Bools, width: float) -> list[Piece]:
     """The runs of a closed stroke that are seen: as of one that is opened in the middle of its longest gap.
 
-    A run over the seam comes as two, unless all that lies on one side of it is the round cap of the other.
-
     Args:
         main: See `find_pieces`, as for all others; what is seen without a gap may be all of it.
         inked: bool [n]
         bare: bool [n]
         chosen: bool [n]
         width: Nodes
+
+    Returns:
+        One run or more; one that goes over the seam ends after n - 1, with n the first node again.
     """
     if main[1] < main[0]:
         return []
@@ -68,23 +67,21 @@ def find_ring_pieces(main: Piece, inked: Bools, bare: Bools, chosen: Bools, widt
     if turn is None:
         return [main]
     inked, bare, chosen = (np.roll(values, -turn) for values in (inked, bare, chosen))
-    at = (np.arange(count) + turn) % count
+    at = np.arange(count) + turn
+    is_main = (at % count >= main[0]) & (at % count <= main[1])
     shown = _without_islands(_without_short_gaps(inked & ~bare, bare), width)
-    seen: list[Piece] = []
+    seen = []
     for first, last in runs(shown):
-        of_main = bool(((at[first : last + 1] >= main[0]) & (at[first : last + 1] <= main[1])).any())
-        if last - first + 1 >= _RUN and chosen[first : last + 1].mean() >= (_OWN if of_main else _BEYOND):
-            seen += _unrolled(int(at[first]), int(at[last]), count, _CAP * width)
-    return sorted(seen) or [main]
+        least = _OWN if is_main[first : last + 1].any() else _BEYOND
+        if last - first + 1 >= _RUN and chosen[first : last + 1].mean() >= least:
+            over = count if first + turn >= count else 0
+            seen.append((first + turn - over, last + turn - over))
+    return seen or [main]
 
 
-def _unrolled(first: int, last: int, count: int, cap: float) -> list[Piece]:
-    """A run of a closed stroke as one run of its nodes, or two if it goes over the seam."""
-    if first <= last:
-        return [(first, last)]
-    after, before = (0, last), (first, count - 1)
-    sides = [side for side in (after, before) if side[1] - side[0] + 1 > cap]
-    return sides or [max(after, before, key=lambda side: side[1] - side[0])]
+def nodes_of(piece: Piece, count: int) -> NDArray[np.intp]:
+    """The nodes of a run of a stroke that has so many."""
+    return np.arange(piece[0], piece[1] + 1) % count
 
 
 def _in_longest_gap(inked: Bools, bare: Bools) -> int | None:

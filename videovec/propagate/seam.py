@@ -69,7 +69,7 @@ def _middle(values: Bools) -> int:
 
 
 def _opened_at(row: Row, segment: int, t: float, crumb: float) -> Row:
-    """The same closed curve, begun in a segment at a parameter; parts up to a share of it that this cuts off are none."""
+    """The same closed curve, begun in a segment at a parameter; crumbs of parts that this cuts off are dropped."""
     pieces = segments_of(row.points)
     length = [arc_length(row.points[: 3 * segment + 1]) if segment else 0.0, arc_length(row.points)]
     if t <= _EDGE or t >= 1 - _EDGE:

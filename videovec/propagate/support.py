@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.propagate.ends import find_ends, widened
-from videovec.propagate.gaps import Piece, find_pieces, find_ring_pieces
+from videovec.propagate.gaps import Piece, find_pieces, find_ring_pieces, nodes_of
 from videovec.propagate.kernels import nearest
 from videovec.propagate.nodes import Nodes
 from videovec.propagate.record import Interval
@@ -169,8 +169,8 @@ def shown_nodes(nodes: Nodes, pieces: list[list[Piece]], visible: list[tuple[Int
         for begin, end in visible[s]:
             own |= (basis.u >= begin - 1e-9) & (basis.u <= end + 1e-9)
         if visible[s] and not own.any():
-            for first, last in pieces[s]:
-                own[first : last + 1] = True
+            for piece in pieces[s]:
+                own[nodes_of(piece, len(own))] = True
     return shown
 
 
