@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from videovec.curves import arc_length, sample_by_arc
 from videovec.ink import Ink
+from videovec.propagate.follower import Follower, follow
 from videovec.propagate.record import Life, open_lives
 from videovec.propagate.relink import relink
 from videovec.propagate.residual import Patch, Residual, restricted, successor
-from videovec.propagate.step import Follower, carry, follow
+from videovec.propagate.step import carry
 from videovec.propagate.target import Target, distance_to, sample
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes

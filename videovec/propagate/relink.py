@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from videovec.curves import sample_by_arc, sub_curve
+from videovec.propagate.follower import Follower
 from videovec.propagate.record import Life, Row
-from videovec.propagate.step import Follower
 
 __all__ = ["relink", "same_shape"]
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from videovec.propagate.step import Follower, Placement
+from videovec.propagate.follower import Follower
+from videovec.propagate.step import Placement
 from videovec.propagate.target import Target
 
 __all__ = ["revive"]

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from videovec.propagate.follower import Follower
 from videovec.propagate.front import covering, ends_missing
-from videovec.propagate.momentum import PATIENCE, Momentum, affine_part, momentum_of
-from videovec.propagate.nodes import Basis, Nodes, basis_of, gather
+from videovec.propagate.momentum import PATIENCE, Momentum, momentum_of
+from videovec.propagate.nodes import Nodes, gather
 from videovec.propagate.placing import Found, emerging, find, settled
 from videovec.propagate.predict import Hold, predict_hidden
-from videovec.propagate.record import Life, Row, bind
+from videovec.propagate.record import Row, bind
 from videovec.propagate.refine import refine
 from videovec.propagate.registration import Source, recall, source_of
 from videovec.propagate.split import split_at_gaps
@@ -23,7 +24,7 @@ from videovec.propagate.target import Target
 from videovec.settings import PropagateSettings
 from videovec.strokes import Strokes
 
-__all__ = ["Follower", "Placement", "carry", "follow"]
+__all__ = ["Placement", "carry"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -37,58 +38,6 @@ _FAR = 12.0
 """How far a node of a stroke must have gone for it to be looked at again once it is refined. working px"""
 _REACHED = 3
 """Nodes by which more must be seen of a refined stroke, unless a gap has closed."""
-
-
-@dataclass(slots=True, eq=False)
-class Follower:
-    """A life that is being followed.
-
-    Args:
-        life: Its rows so far.
-        basis: Its nodes.
-        shape: Where its nodes would be without sudden short bends; see `recall`. [n, 2] px
-        velocity: How each node moved in the last step. [n, 2] working px
-        unseen: For how many drawings nothing was seen of it.
-        drift: How each node would go on; what an affine map says of the last step in which the stroke was told apart.
-            [n, 2] working px
-        waited: For how many drawings it has not been told apart from others; at first it may never have been.
-        open: Where its nodes would be if it were not squeezed; none of a stroke that is not closed. [n, 2] px
-    """
-
-    life: Life
-    basis: Basis
-    shape: Floats
-    velocity: Floats = field(default_factory=lambda: np.zeros((0, 2)))
-    unseen: int = 0
-    drift: Floats = field(default_factory=lambda: np.zeros((0, 2)))
-    waited: int = PATIENCE
-    open: Floats | None = None
-
-    def half_width(self, drawing: int) -> float:
-        """Mean half-width on a drawing. px"""
-        return float(self.life.rows[drawing].half_width.mean())
-
-    def last_seen(self, before: int, after: int) -> float:
-        """Share that was seen when something was seen last, on the way from one drawing to the next."""
-        row = self.life.rows.get(before - self.unseen * (after - before))
-        return row.seen if row else 1.0
-
-
-def follow(life: Life, drawing: int, spacing: float, scale: float = 1.0, before: int | None = None) -> Follower:
-    """Begin to follow a life from one of its drawings.
-
-    Args:
-        life: The life.
-        drawing: One on which it has a row.
-        spacing: Distance between its nodes. px
-        scale: Working px for each px.
-        before: The drawing that was walked over last; if the life has a row there, it goes on from there.
-    """
-    points = life.rows[drawing].points
-    basis = basis_of(points, spacing, life.is_closed)
-    shape, still = basis.weights @ points, np.zeros((len(basis.u), 2))
-    velocity = scale * (shape - basis.weights @ life.rows[before].points) if before in life.rows else still
-    return Follower(life, basis, shape, velocity, drift=still, open=shape if life.is_closed else None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -166,7 +115,7 @@ def carry(
         follower.shape = rest[own] / scale
         follower.velocity = positions[own] - source.rest[own]
         follower.unseen = 0 if support.visible[s] else follower.unseen + 1
-        _go_on(follower, positions[own], here.rest[own], momentum.is_blind(own))
+        follower.go_on(positions[own], here.rest[own], momentum.is_blind(own))
         follower.drift = np.zeros_like(follower.drift) if s in squeezes else follower.drift
         follower.open = None if follower.open is None else opened(follower.open, positions[own] / scale)
         follower.waited = int(momentum.waits[s])
@@ -261,15 +210,6 @@ def _held(hold: Hold, momentum: Momentum) -> Hold:
     """What holds hidden nodes, and those that are not told apart."""
     goal = np.where(momentum.merged[:, None], momentum.goal, hold.goal)
     return Hold(goal, np.where(momentum.merged, momentum.hold(), hold.stiffness))
-
-
-def _go_on(follower: Follower, now: Floats, before: Floats, is_blind: bool) -> None:
-    """Remember how a stroke went: while the ink says little of it, as before, but for where it is as a whole."""
-    step = now - before
-    if is_blind:
-        follower.drift = follower.drift + step.mean(axis=0) - follower.drift.mean(axis=0)
-    else:
-        follower.drift = affine_part(now, step)
 
 
 def _seen(nodes: Nodes, rows: list[Row]) -> Floats:

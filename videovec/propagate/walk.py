@@ -12,6 +12,7 @@ from videovec.events import Event
 from videovec.ink import Ink, amount_of_ink, first_full
 from videovec.progress import Progress, Silent
 from videovec.propagate.births import Nursery, Trace
+from videovec.propagate.follower import Follower, follow
 from videovec.propagate.grown import join_grown
 from videovec.propagate.happenings import events_of
 from videovec.propagate.record import Life, bind, open_lives
@@ -21,7 +22,7 @@ from videovec.propagate.reveal import reveal
 from videovec.propagate.revive import revive
 from videovec.propagate.seam import move_seam
 from videovec.propagate.split import split_at_gaps
-from videovec.propagate.step import Follower, Placement, carry, follow
+from videovec.propagate.step import Placement, carry
 from videovec.propagate.target import Target, make_target, sample
 from videovec.propagate.tucked import hold_tucked
 from videovec.propagate.unhide import unhide
