@@ -45,11 +45,6 @@ class Follower:
         """Mean half-width on a drawing. px"""
         return float(self.life.rows[drawing].half_width.mean())
 
-    def last_seen(self, before: int, after: int) -> float:
-        """Share that was seen when something was seen last, on the way from one drawing to the next."""
-        row = self.life.rows.get(before - self.unseen * (after - before))
-        return row.seen if row else 1.0
-
     def go_on(self, now: Floats, before: Floats, is_blind: bool) -> None:
         """Remember how it went: while the ink says little of it, as before, but for where it is as a whole.
 

@@ -54,7 +54,8 @@ class Found:
         loose: What was registered to find the others; the same if none is in front.
         positions: Of N nodes. [N, 2] working px
         ink: The drawing's ink.
-        little: Strokes over which something passed. bool [S]
+        little: Strokes of which any bit may be all that is seen: something passed over them, or they are erased or
+            drawn on. bool [S]
     """
 
     ahead: Source
@@ -84,7 +85,7 @@ def find(
     """
     nodes, front, search = source.nodes, strokes[0], place_growing if grows else place
     if not front.any() and is_still(source, strokes[1], targets[1]):
-        return Found(source, source, source.rest, _inks(targets[1], nodes, source.rest, strokes), front)
+        return Found(source, source, source.rest, _inks(targets[1], nodes, source.rest, strokes), ~front)
     passed = passed_over(nodes, ways[:2], ways[2], front)
     ahead = replace(untied(source, front), weight=np.where(passed, 0.0, source.weight))
     steady = _as_before(ahead, targets[1], velocity, front)

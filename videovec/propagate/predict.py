@@ -39,8 +39,6 @@ _OTHERWISE = 6.0
 """Motion against a stroke, in one step, at which another has a quarter of its say. px"""
 _STEADY = 0.05
 """Say of its turn so far, and of no change of size, in the spread of its nodes when all of them have a say of 1."""
-_STILL, _AS_WELL = 0.7, 1.25
-"""Distance off their lines, working px, and factor of that after a similarity, up to which a simpler motion will do."""
 _FEWEST = 4.0
 """Sum of says below which nothing is known."""
 _FIRM = 10.0
@@ -100,7 +98,6 @@ def predict_hidden(
     before, after, scale = step
     goal, stiffness = positions.copy(), np.zeros(len(nodes))
     follows = support.shown
-    normal = 1j * _complex(nodes.tangents(positions))
     for s, life in enumerate(lives):
         home = _home(life, before)
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
@@ -109,7 +106,7 @@ def predict_hidden(
         then = _nodes_at(lives, nodes, home, scale)
         guess = scale * nodes.bases[s].weights @ life.rows[before].points
         alike = (_moved_alike(lives, s, home) * ~front)[nodes.stroke]
-        motion = _common_motion(then, positions, normal, (follows & support.node, own), (guess, alike))
+        motion = _common_motion(then, positions, (follows & support.node, own), (guess, alike))
         if motion is None:
             continue
         z = motion[0] * _complex(then[own]) + motion[1]
@@ -165,14 +162,13 @@ def _moved_alike(lives: list[Life], stroke: int, home: int) -> Floats:
 
 
 def _common_motion(
-    then: Floats, now: Floats, normal: Complexes, who: tuple[NDArray[np.bool_], slice], hints: tuple[Floats, Floats]
+    then: Floats, now: Floats, who: tuple[NDArray[np.bool_], slice], hints: tuple[Floats, Floats]
 ) -> tuple[complex, complex] | None:
     """Factor and shift of the similarity by which a stroke and what agrees with it have moved.
 
     Args:
         then: Where all nodes were; NaN if that is not known. [N, 2] working px
         now: Where they are. [N, 2] working px
-        normal: Of their strokes there. [N]
         who: Nodes that are seen [N], and those of the stroke.
         hints: A guess at where the stroke is [n, 2] working px, and how much each node has a say [N].
     """
@@ -196,27 +192,7 @@ def _common_motion(
         if weight.sum() < _FEWEST:
             return None
         factor, shift = _similarity(a, b, weight, steady)
-    return _simplest((a, b, normal[known]), weight, (factor, shift))
-
-
-def _simplest(
-    moved: tuple[Complexes, Complexes, Complexes], weight: Floats, similarity: tuple[complex, complex]
-) -> tuple[complex, complex]:
-    """No motion, a shift or the similarity: the first that leaves nodes on their lines about as well as the last.
-
-    What a short part, which may have slid along its line, says of turns and of size is carried far along a stroke.
-    """
-    a, b, normal = moved
-
-    def misfit(motion: tuple[complex, complex]) -> float:
-        off = ((motion[0] * a + motion[1] - b) * np.conj(normal)).real
-        return float(np.sqrt(weight @ off**2 / weight.sum()))
-
-    most = max(_STILL, _AS_WELL * misfit(similarity))
-    shift = 1.0 + 0.0j, complex(weight @ (b - a) / weight.sum())
-    return next(
-        motion for motion in ((1.0 + 0.0j, 0.0j), shift, similarity) if motion is similarity or misfit(motion) <= most
-    )
+    return factor, shift
 
 
 def _similarity(

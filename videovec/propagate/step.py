@@ -30,12 +30,12 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 _SHORT = 0.5
-"""Share of a stroke up to which it may be seen for any bit of it to be the stroke when it is seen next."""
+"""Share of a stroke up to which it may be seen on one drawing for any less of it to be the stroke on the next."""
 _MOST = 0.7
 """Share of a stroke that must be seen for it to be squeezed on the next drawing; else it is hidden by something."""
 
 _FAR = 12.0
-"""How far a node of a stroke must have gone for it to be looked at again once it is refined. working px"""
+"""How far the fastest tenth of nodes must go for strokes to be looked at again once they are refined. working px"""
 _REACHED = 3
 """Nodes by which more must be seen of a refined stroke, unless a gap has closed."""
 
@@ -84,7 +84,7 @@ def carry(
     velocity = _stacked([follower.velocity for follower in followers])
     onward = momentum.goal, source.rest + velocity
     found = find(source, (here.rest, *onward), (front, half_width), targets, velocity, grows)
-    past = _past(followers, step, (momentum, onward[1]), grows | found.little)
+    past = _past(followers, rows, (momentum, onward[1]), grows | found.little)
     support = find_support(nodes, found.positions, half_width, found.ink, past)
     hold = predict_hidden([f.life for f in followers], nodes, found.positions, support, (before, after, scale), front)
     hold = hold.resting(source.rest, support.shown) if found.positions is source.rest else hold
@@ -104,8 +104,8 @@ def carry(
         strokes = _refined(strokes, nodes.moved(points, rest / scale), coverage, settings)
     positions = scale * nodes.positions(strokes.points[: len(points)])
     went = np.linalg.norm(positions - here.rest, axis=1)
-    if not (is_still or support.shown.all()) and went.max() > _FAR:
-        support = _most(nodes, support, find_support(nodes, positions, half_width, ink, past), went)
+    if not (is_still or support.shown.all()) and np.percentile(went, 90.0) > _FAR:
+        support = _most(nodes, support, find_support(nodes, positions, half_width, ink, past))
     missing = ends_missing(nodes, positions, support.shown, past.most_seen)
     covers = covering(nodes, positions, half_width, support.shown, missing) & (not grows)
     for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
@@ -175,14 +175,14 @@ def _stacked(parts: list[Floats]) -> Floats:
     return np.concatenate([np.zeros((0, 2)), *parts])
 
 
-def _past(followers: list[Follower], step: tuple[int, int], onward: tuple[Momentum, Floats], little: Bools) -> Past:
+def _past(followers: list[Follower], rows: list[Row], onward: tuple[Momentum, Floats], little: Bools) -> Past:
     """What is known of strokes.
 
     ``onward`` are their momentum, and where nodes would be by the last step; ``little`` says of which strokes any bit
     may be all that is seen.
     """
     most_seen = np.array([follower.life.most_seen for follower in followers]).reshape(-1, 2)
-    least = np.array([0.0 if follower.last_seen(*step) <= _SHORT else SEEN for follower in followers])
+    least = np.array([0.0 if 0.0 < row.seen <= _SHORT else SEEN for row in rows])
     least[little] = 0.0
     return Past(most_seen, least, onward[0].merged, onward[1])
 
@@ -222,12 +222,11 @@ def _seen(nodes: Nodes, rows: list[Row]) -> Floats:
     return np.minimum(seen, 1.0)
 
 
-def _most(nodes: Nodes, support: Support, again: Support, went: Floats) -> Support:
-    """Of two looks at strokes, the second where it shows more of what went far: refined, it has reached its ink."""
-    far = np.bincount(nodes.stroke, went > _FAR, minlength=len(nodes.bases)) > 0
+def _most(nodes: Nodes, support: Support, again: Support) -> Support:
+    """Of two looks at strokes, the second where it shows more: refined, it has reached its ink."""
     gained = np.bincount(nodes.stroke, again.shown.astype(float) - support.shown, minlength=len(nodes.bases))
     closed = np.array([0 < len(b) < len(a) for a, b in zip(support.visible, again.visible, strict=True)], bool)
-    more = far & ((gained >= _REACHED) | (closed & (gained > 0)))
+    more = (gained >= _REACHED) | (closed & (gained > 0))
     of_node, pairs = more[nodes.stroke], zip(again.visible, support.visible, strict=True)
     return Support(
         node=np.where(of_node, again.node, support.node),
