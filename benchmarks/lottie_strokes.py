@@ -261,7 +261,7 @@ def _number(value: Json, time: float, default: float) -> float:
 def _vector(value: Json, time: float, default: tuple[float, float]) -> Floats:
     if value is not None and value.get("s") is True:
         return np.array([_number(value["x"], time, 0.0), _number(value["y"], time, 0.0)])
-    return np.ravel(_value(value, time))[:2].astype(float) if value is not None else np.array(default, float)
+    return np.asarray(default if value is None else np.ravel(_value(value, time))[:2], np.float64)
 
 
 def _value(value: Json, time: float) -> Floats:
@@ -277,8 +277,8 @@ def _value(value: Json, time: float) -> Floats:
         control = np.stack([a[:2], a[:2] + key["to"][:2], b[:2] + key["ti"][:2], b[:2]])
         if arc_length(control) > _FLAT:
             segment, t = parameter_at(control, np.array([np.clip(share[0], 0, 1)]))
-            return evaluate(segments_of(control)[segment], t)[0]
-    return a + (b - a) * np.resize(share, len(a))
+            return np.asarray(evaluate(segments_of(control)[segment], t)[0])
+    return np.asarray(a + (b - a) * np.resize(share, len(a)))
 
 
 def _shape(value: Json, time: float) -> Json:

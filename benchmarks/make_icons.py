@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 import resvg_py
-from lottie_strokes import DrawnStroke, UnreadableError, strokes_at
 
+from benchmarks.lottie_strokes import DrawnStroke, UnreadableError, strokes_at
 from videovec.curves import arc_length
 
 SIDE = 512
