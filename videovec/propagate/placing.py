@@ -33,11 +33,14 @@ _AROUND = 10.0
 """How far from where it waits a hidden part of a stroke is looked for, and a steady edge is found. working px"""
 _ALIKE = 0.8
 """Cosine of the largest angle between it and the ink that it may be."""
-_ERASED = 2
+_ERASED = 3
 """Nodes of seen parts on bare paper, and of hidden ones on ink, from which on something is erased or drawn on."""
+_RESTS, _THICK = 0.7, 4.0
+"""Median distance from centre lines up to which strokes have not moved, and the half-width at which it is twice that,
+as centre lines of thick ink are rougher. working px"""
 _EVERY = 2
 """Pixels from one to the next that is looked at."""
-_BESIDE = 2.0
+_BESIDE = 1.5
 """How far ink may reach beyond the line of a stroke that stands still. working px"""
 _STRANGE = 0.04
 """Share of the ink that may lie elsewhere."""
@@ -110,7 +113,10 @@ def is_still(source: Source, half_width: Floats, target: Target) -> bool:
     """
     nodes = source.nodes
     is_bare = sample(widened(target), source.rest) <= target.threshold
-    if not len(target) or np.sum(is_bare == (source.weight > 0)) < _ERASED:
+    if not len(target) or is_bare.all() or np.sum(is_bare == (source.weight > 0)) < _ERASED:
+        return False
+    slack = _RESTS * (1.0 + half_width[nodes.stroke] / _THICK)
+    if np.median((target.distance_at(source.rest) / slack)[~is_bare]) > 1.0:
         return False
     row, column = np.nonzero(target.ink[::_EVERY, ::_EVERY] > target.threshold)
     inked = np.stack([column, row], axis=1).astype(np.float64) * _EVERY + 0.5
