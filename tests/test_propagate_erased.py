@@ -15,6 +15,10 @@ from videovec.initialise import initialise
 from videovec.ink import Ink
 from videovec.propagate import propagate
 from videovec.propagate.gaps import find_ring_pieces
+from videovec.propagate.nodes import basis_of, gather
+from videovec.propagate.placing import is_still
+from videovec.propagate.registration import source_of
+from videovec.propagate.target import make_target
 from videovec.settings import InitialiseSettings, PropagateSettings
 from videovec.strokes import Strokes
 
@@ -122,3 +126,20 @@ def test_a_ring_without_a_gap_is_one_piece() -> None:
     inked = np.ones(60, bool)
     inked[20:25] = False  # another line is nearer, but there is no paper
     assert find_ring_pieces((0, 59), inked, np.zeros(60, bool), np.ones(60, bool), 6.0) == [(0, 59)]
+
+
+@pytest.mark.parametrize(("shift", "erased", "still"), [(0.0, 0.2, True), (0.0, 0.0, False), (1.6, 0.2, False)])
+def test_strokes_stand_still_if_some_ink_is_gone_and_the_rest_is_where_it_was(
+    shift: float, erased: float, still: bool
+) -> None:
+    """A thin bent line; moved by more than a pixel across itself it does not stand still, whatever is gone."""
+    line = np.stack([np.linspace(20, 180, 4), [60, 120, 40, 100]], axis=1)
+    bases = [basis_of(line, 4.0, False)]
+    nodes = gather(bases)
+    curve = sample_by_arc(line, 600)
+    image = np.zeros((SIZE * 4, SIZE * 4), np.uint8)
+    drawn = np.add(curve[round(600 * erased) :], (0.0, shift))
+    cv2.polylines(image, [np.round((drawn * 4 - 0.5) * 16).astype(np.int32)], False, 255, 12, cv2.LINE_AA, 4)
+    target = make_target(np.asarray(cv2.resize(image, (SIZE, SIZE), interpolation=cv2.INTER_AREA), np.uint8), SIZE)
+    source = source_of(nodes, nodes.positions(line), target, np.ones(len(nodes)))
+    assert is_still(source, np.array([1.5]), target) == still
