@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
+from numpy.typing import NDArray
 from test_propagate import FIGURE, draw, ink_of, line, run, strokes_of, turned
 
 from samples.scene import polygon
 from videovec.settings import PropagateSettings
+
+Floats = NDArray[np.float64]
 
 
 def test_a_short_new_line_is_one_stroke_where_all_moves_far() -> None:
@@ -22,11 +26,18 @@ def test_a_short_new_line_is_one_stroke_where_all_moves_far() -> None:
         assert np.abs(ends[np.argsort(ends[:, 1])] - new[drawing][[0, -1]]).max() < 2.0
 
 
-def test_a_bend_that_only_the_refinement_reaches_is_seen() -> None:
-    rail = line(20, 140, 140, 140)
-    flat, bent = (polygon([(15, y), (40, y), (67, y), (75, y - high), (83, y), (110, y), (140, y)])
-                  for y, high in ((60, 0), (74, 8)))  # fmt: skip
-    drawings = [draw([rail, curve]) for curve in (flat, bent, bent)]
-    result = run(ink_of(drawings), strokes_of([rail, flat]), PropagateSettings()).strokes
+@pytest.mark.parametrize(("down", "high", "half"), [(14.0, 7.0, 10.0), (20.0, 8.0, 8.0)])
+def test_a_bend_that_only_the_refinement_reaches_is_seen(down: float, high: float, half: float) -> None:
+    """Two lines move down together, and one of them gets a bend on the way."""
+    before, after = (
+        [line(20, 130 + y, 140, 130 + y), bent_line(60 + y, bend, half)] for y, bend in ((0.0, 0.0), (down, high))
+    )
+    drawings = [draw(curves) for curves in (before, after, after)]
+    result = run(ink_of(drawings), strokes_of(before), PropagateSettings()).strokes
     assert len(result) == 2
     assert (result.visible == (0.0, 1.0)).all()
+
+
+def bent_line(y: float, high: float, half: float) -> Floats:
+    """A level line with a bend of a height and half a width in its middle. [N, 2]"""
+    return polygon([(15, y), (40, y), (75 - half, y), (75, y - high), (75 + half, y), (110, y), (140, y)])
