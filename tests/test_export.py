@@ -19,10 +19,12 @@ from videovec.clip import Clip
 from videovec.errors import ConfigError
 from videovec.events import Event, EventKind
 from videovec.export import FORMATS, export
+from videovec.strokes import Strokes
 from videovec.tracks import StrokeTracks
 from videovec.write.colours import identity_colours
 from videovec.write.preview import contact_sheet, draw_identities
 from videovec.write.report import FrameFigures, report_html
+from videovec.write.style import is_constant_width, mean_half_widths
 from videovec.write.video import preview_image, preview_video
 
 UNEVEN = (Fraction(0), Fraction(1, 10), Fraction(1, 4))
@@ -163,3 +165,13 @@ def test_a_contact_sheet_has_room_for_the_largest_picture() -> None:
     assert sheet.shape == (2 * 9 - 1, 2 * 7 - 1, 3)
     assert (sheet[:8, 7:10] == 9).all()
     assert (sheet[:8, 6] == 200).all()
+
+
+@pytest.mark.parametrize("hidden", [True, False])
+def test_widths_that_are_never_seen_do_not_make_a_line_an_outline(hidden: bool) -> None:
+    """The second half of a stroke is twice as wide; by closed form, the mean of what is seen is that of the first."""
+    points = np.stack([np.linspace(0, 90, 10), np.zeros(10)], axis=1)
+    wide = Strokes.from_curves([points], [np.array([2.0, 2.0, 4.0, 4.0])])
+    seen = replace(wide, visible=np.array([[0.0, 1 / 3 if hidden else 1.0]]))
+    assert is_constant_width(seen, 0.1).tolist() == [hidden]
+    assert mean_half_widths(seen) == pytest.approx([2.0 if hidden else 3.0])
