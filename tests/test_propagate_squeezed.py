@@ -10,9 +10,10 @@ import pytest
 from numpy.typing import NDArray
 from test_propagate import arc, draw, ink_of, line, run, strokes_of
 
+from samples.scene import polygon
 from videovec.curves import sample_by_arc
 from videovec.propagate import Propagated
-from videovec.propagate.squeezed import opened
+from videovec.propagate.squeezed import is_narrow, opened
 from videovec.strokes import Strokes
 
 Floats = NDArray[np.float64]
@@ -86,3 +87,11 @@ def test_the_open_shape_turns_and_moves_with_a_shape_that_is_squeezed() -> None:
         np.testing.assert_allclose(opened(ring, (ring * (share, 1)) @ turn + (7, 3)), ring @ turn + (7, 3), atol=1e-9)
     still_open = (ring * (0.9, 1)) @ turn
     assert opened(ring, still_open) is still_open
+
+
+def test_a_stick_is_not_squeezed() -> None:
+    """A closed outline ten times as long as wide; five times as wide it could shut."""
+    ends = np.array([(-40.0, -4.0), (40.0, -4.0), (40.0, 4.0), (-40.0, 4.0), (-40.0, -4.0)])
+    stick = sample_by_arc(polygon(ends + 100.0), 120)[:-1]
+    assert is_narrow(stick)
+    assert not is_narrow(stick * [1.0, 5.0])

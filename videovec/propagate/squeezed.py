@@ -17,7 +17,7 @@ from videovec.propagate.registration import doubled
 from videovec.propagate.support import Support
 from videovec.propagate.target import Target
 
-__all__ = ["opened", "squeezed"]
+__all__ = ["is_narrow", "opened", "squeezed"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -55,6 +55,8 @@ _STRAYED = 0.03
 """and what each px by which the open stroke is moved counts as."""
 _WIDE = (0.75, 1.3)
 """Factors by which the long side of a stroke may shrink or grow,"""
+_NARROW = 0.25
+"""Width of the open shape, of its length, below which it is not squeezed: it has little to shut."""
 _OPEN = 0.8
 """and the share of its short side from which on it is not squeezed."""
 
@@ -89,7 +91,7 @@ def squeezed(
     found: dict[int, Floats] = {}
     explains = support.explains(nodes) > 0
     for s, shape in enumerate(whole):
-        if shape is None or not len(ink):
+        if shape is None or not len(ink) or is_narrow(shape):
             continue
         own = slice(int(nodes.starts[s]), int(nodes.starts[s + 1]))
         others = explains & (nodes.stroke != s)
@@ -117,6 +119,12 @@ def opened(shape: Floats, positions: Floats) -> Floats:
     if size[1] >= _OPEN * min(size[0], 1.0):
         return positions
     return np.asarray((shape - middle) @ (left @ right) + now)
+
+
+def is_narrow(shape: Floats) -> bool:
+    """Whether a shape is much longer than wide even when it is open: a stick, which only bends and turns."""
+    size = np.linalg.svd(shape - shape.mean(axis=0), compute_uv=False)
+    return bool(size[1] < _NARROW * size[0])
 
 
 def _left(ink: Target, shape: Floats, others: Floats, half_width: Floats) -> _Ink:
