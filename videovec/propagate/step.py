@@ -88,9 +88,9 @@ def carry(
     support = find_support(nodes, found.positions, half_width, found.ink, past)
     hold = predict_hidden([f.life for f in followers], nodes, found.positions, support, (before, after, scale), front)
     hold = hold.resting(source.rest, support.shown) if found.positions is source.rest else hold
-    rest, positions, is_still = source.rest, found.positions, grows and found.positions is source.rest
+    rest, positions, stays = source.rest, found.positions, grows and found.positions is source.rest
     ink, squeezes = found.ink, dict[int, Floats]()
-    if not is_still:
+    if not stays:
         if not grows:
             rest = stretched(nodes, rest, positions, support.follows(), momentum.merged)
         ink, positions, support = _settled(found, rest, half_width, support, (_held(hold, momentum), past))
@@ -100,12 +100,12 @@ def carry(
         rest, positions = (_replaced(nodes, places, squeezes) for places in (rest, positions))
         support = find_support(nodes, positions, half_width, ink, past)
     strokes = _placed(followers, rows, nodes.moved(points, positions / scale), support)
-    if not is_still:
+    if not stays:
         strokes = _refined(strokes, nodes.moved(points, rest / scale), coverage, settings)
     positions = scale * nodes.positions(strokes.points[: len(points)])
     went = np.linalg.norm(positions - here.rest, axis=1)
-    if not (is_still or support.shown.all()) and np.percentile(went, 90.0) > _FAR:
-        support = _most(nodes, support, find_support(nodes, positions, half_width, ink, past))
+    if not (stays or support.shown.all()) and np.percentile(went, 90.0) > _FAR:
+        support = _fuller(nodes, support, find_support(nodes, positions, half_width, ink, past))
     missing = ends_missing(nodes, positions, support.shown, past.most_seen)
     covers = covering(nodes, positions, half_width, support.shown, missing) & (not grows)
     for s, (follower, row) in enumerate(zip(followers, rows, strict=True)):
@@ -222,7 +222,7 @@ def _seen(nodes: Nodes, rows: list[Row]) -> Floats:
     return np.minimum(seen, 1.0)
 
 
-def _most(nodes: Nodes, support: Support, again: Support) -> Support:
+def _fuller(nodes: Nodes, support: Support, again: Support) -> Support:
     """Of two looks at strokes, the second where it shows more: refined, it has reached its ink."""
     gained = np.bincount(nodes.stroke, again.shown.astype(float) - support.shown, minlength=len(nodes.bases))
     closed = np.array([0 < len(b) < len(a) for a, b in zip(support.visible, again.visible, strict=True)], bool)
